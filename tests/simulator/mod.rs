@@ -354,7 +354,7 @@ impl Bench {
         }
         let steps = |speed: f64, random: &mut Random| {
             let holds = (0..(self.duration / 0.8) as usize).map(|k| 0.3 + 0.8 * k as f64).collect::<Vec<f64>>();
-            let level = |k: usize| if k % 2 == 0 { 0.5 * speed } else { -0.5 * speed };
+            let level = |k: usize| if k.is_multiple_of(2) { 0.5 * speed } else { -0.5 * speed };
             let start = random.within(0.0, 0.2);
             let segment = |(k, at): (usize, &f64)| profile::Segment { start: at - start, level: level(k), sines: 0.0 };
             Profile::new(step, self.excitation.corner, holds.iter().enumerate().map(segment).collect(), &[])

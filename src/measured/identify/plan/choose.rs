@@ -2,7 +2,7 @@
 //!
 //! The one idea: what passages say of a pair adds up as sums of products. So passages are taken one after the other, each the
 //! one after which the pairs are told apart best, the weakest pair counting most; then each is exchanged where another one is
-//! better. Where all pairs are far apart, the parameters of the models decide (D-optimality), and nothing else.
+//! better. Every other effect counts as a rival too, so that the run brings up no third name. Where all pairs are far apart, the parameters of the models decide (D-optimality), and nothing else.
 
 use std::cmp::Ordering;
 
@@ -40,6 +40,8 @@ impl Worth {
 /// What each passage says of each question: sums of products.
 pub struct Said<'q> {
     questions: Vec<(&'q Question, Vec<DMatrix<f64>>)>,
+    /// Whether the run can keep every other effect away, of each question.
+    guards: Vec<bool>,
     count: usize,
 }
 
@@ -59,7 +61,14 @@ impl<'q> Said<'q> {
         let hopeful: Vec<bool> = questions.iter().map(gains).collect();
         let any = hopeful.iter().any(|h| *h);
         let questions = questions.into_iter().zip(hopeful).filter(|(_, h)| *h || !any).map(|(q, _)| q).collect();
-        Said { questions, count }
+        let guarded = |(question, parts): &(&Question, Vec<DMatrix<f64>>)| {
+            let whole = |p: &DMatrix<f64>| question.square_guarded(&(p * length as f64));
+            let now = question.square_guarded(&DMatrix::zeros(question.existing.nrows(), question.existing.nrows()));
+            parts.par_iter().map(whole).reduce(|| 0.0, f64::max) - now > HOPELESS
+        };
+        let questions: Vec<(&Question, Vec<DMatrix<f64>>)> = questions;
+        let guards = questions.iter().map(guarded).collect();
+        Said { questions, guards, count }
     }
 
     fn nothing(&self) -> Sums {
@@ -77,8 +86,11 @@ impl<'q> Said<'q> {
     fn worth(&self, sums: &Sums) -> Worth {
         let most = (FAR * APART).powi(2);
         let (mut inverse, mut information) = (0.0, 0.0);
-        for (sum, (question, _)) in sums.iter().zip(&self.questions) {
+        for ((sum, (question, _)), guarded) in sums.iter().zip(&self.questions).zip(&self.guards) {
             inverse += 1.0 / (1.0 + question.contest.square(sum).min(most));
+            if *guarded {
+                inverse += 1.0 / (1.0 + question.guarded.square(sum).min(most));
+            }
             information += log_determinant(sum, question.contest.common);
         }
         Worth { apart: self.questions.len() as f64 / inverse, information }
@@ -101,15 +113,15 @@ impl<'q> Said<'q> {
             sums = self.changed(&sums, None, next);
             chosen.push(next);
         }
-        for slot in 0..chosen.len() {
+        for slot in &mut chosen {
             let now = self.worth(&sums);
-            let out = chosen[slot];
+            let out = *slot;
             if let Some((other, worth)) = self.best(&sums, Some(out), &all)
                 && other != out
                 && worth.compare(&now) == Ordering::Greater
             {
                 sums = self.changed(&sums, Some(out), other);
-                chosen[slot] = other;
+                *slot = other;
             }
         }
         let mut ordered = Vec::new();

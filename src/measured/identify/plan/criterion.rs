@@ -38,6 +38,11 @@ pub struct Contest {
 }
 
 impl Contest {
+    /// Of nothing yet.
+    pub fn empty() -> Contest {
+        Contest { common: 0, sides: Vec::new(), truths: Vec::new(), variance: f64::NAN }
+    }
+
     /// δ², from sums of products of all columns: the mean over what may be true of a side, of the side that is told worse.
     pub fn square(&self, products: &DMatrix<f64>) -> f64 {
         let left = beyond(products, self.common);

@@ -107,6 +107,25 @@ pub fn plan(bench: &Bench, identified: &[Identified], wanted: &Wanted) -> Result
     })
 }
 
+/// What a log would do for what the others leave open, as [`plan`] reckons it for its own run: the weakest first. Pairs that it
+/// does not show are left out.
+pub fn rated(bench: &Bench, identified: &[Identified], log: &Log) -> Vec<Separation> {
+    let mut separations = Vec::new();
+    for (model, report) in identified.iter().filter_map(|i| Some((i.model.as_ref()?, &i.report))) {
+        let work = model.work(bench);
+        let alone = Bench { logs: vec![Log { usage: Use::Fit, ..log.clone() }], ..bench.clone() };
+        let corrections = Corrections { gear_loss: model.corrections.gear_loss, ..Corrections::none(1) };
+        let setting = Setting { corrections, band: work.balance.band, rows: usize::MAX, samples: usize::MAX };
+        let Some(balance) = Balance::new(&alone, work.balance.target, &setting) else { continue };
+        for question in questions(&work, model, report).0 {
+            let parts = question.of_run(&balance, 1, |_| Some(0));
+            separations.extend(parts.map(|parts| separation(&question, &parts, length(log))));
+        }
+    }
+    separations.sort_by(|a, b| a.after.total_cmp(&b.after));
+    separations
+}
+
 /// The longest log for fitting that takes part in an equation.
 fn longest<'b>(bench: &'b Bench, balance: &Balance) -> Option<&'b Log> {
     let fits = balance.logs.iter().map(|l| &bench.logs[*l]).filter(|l| l.usage == Use::Fit);

@@ -4,10 +4,10 @@ use nalgebra::{DMatrix, DVector};
 
 use super::criterion::{Contest, Truth};
 use super::facts::{Pair, Rival, Unplanned};
-use crate::effects::{Effect, Shape, Variable, effect};
+use crate::effects::{EFFECTS, Effect, Shape, Variable, effect};
 use crate::measured::answer::Report;
 use crate::measured::answer::evidence::BOUND;
-use crate::measured::identify::balance::Balance;
+use crate::measured::identify::balance::{Balance, visible};
 use crate::measured::identify::candidates::{evaluate_all, held_look_alike, window};
 use crate::measured::identify::identified::Final;
 use crate::measured::identify::regression::{Blocks, solve, squares};
@@ -17,6 +17,8 @@ use crate::measured::signals;
 
 /// Shapes of an effect that are tried over its window.
 const SHAPES: usize = 16;
+/// Of other effects every so many of them.
+const GUARDS: usize = 3;
 /// A truth this much less likely than the best of its side is none.
 const UNLIKELY: f64 = 0.05;
 /// The largest δ of models that are not separated: one is not worse than the other by two standard errors between blocks,
@@ -44,6 +46,8 @@ pub struct Question {
     sides: Vec<Side>,
     /// How the two are compared; after the common columns one for the zero of the planned run where the target has one.
     pub contest: Contest,
+    /// The same where every other effect that this equation shows may be the other model, so that the run brings up no third one.
+    pub guarded: Contest,
     /// Sums of products of the logs that are there.
     pub existing: DMatrix<f64>,
     /// Time between rows of these logs \[s\].
@@ -143,6 +147,9 @@ fn spread(work: &Work, own: &'static dyn Effect) -> Vec<f64> {
 
 /// A pair as a contest; `None` where no values of it are plausible.
 fn question(work: &Work, model: &Final, term: Option<usize>, pair: Pair, sides: Vec<Side>) -> Option<Question> {
+    let own = sides.len();
+    let mut sides = sides;
+    sides.extend(guards(work, term, &sides));
     let parameter = |index: usize| sides.iter().any(|s| matches!(s, Side::Parameter(i) if *i == index));
     let mut common: Vec<Kind> =
         work.terms.iter().enumerate().filter(|(t, _)| Some(*t) != term).map(|(_, t)| t.kind).collect();
@@ -158,7 +165,8 @@ fn question(work: &Work, model: &Final, term: Option<usize>, pair: Pair, sides: 
         pair,
         common,
         sides,
-        contest: Contest { common: 0, sides: Vec::new(), truths: Vec::new(), variance: f64::NAN },
+        contest: Contest::empty(),
+        guarded: Contest::empty(),
         existing: DMatrix::zeros(0, 0),
         spacing: spacing(&work.balance, &work.balance.rows.time),
         has_zero,
@@ -186,12 +194,40 @@ fn question(work: &Work, model: &Final, term: Option<usize>, pair: Pair, sides: 
     }
     question.contest.variance = variance(work, &blocks, &question.contest, &total)?;
     question.contest.truths = question.truths(work, &total);
-    if question.contest.sides.len() == 1 {
+    question.contest.truths.retain(|t| t.side < own);
+    question.guarded = question.contest.clone();
+    question.contest.sides.truncate(own);
+    if own == 1 {
         question.contest.sides.push(Vec::new());
     }
     // What identification does not separate is not apart, however little blocks of time scatter.
     question.contest.variance *= (question.square_now() / NOT_APART.powi(2)).max(1.0);
+    question.guarded.variance = question.contest.variance;
     (!question.contest.truths.is_empty()).then_some(question)
+}
+
+/// Other effects that could be named instead: those that this equation shows and the model does not have.
+fn guards(work: &Work, term: Option<usize>, sides: &[Side]) -> Vec<Side> {
+    let is_side = |e: &dyn Effect| sides.iter().any(|s| matches!(s, Side::Effect(own, _) if **own == *e));
+    let others = |t: &usize| Some(*t) != term;
+    let has = |e: &dyn Effect| {
+        (0..work.terms.len()).filter(others).any(|t| work.terms[t].effect().is_some_and(|(own, _)| own == e))
+    };
+    let asked = EFFECTS.iter().copied().filter(|e| {
+        e.shape() != Shape::Order
+            && !is_side(*e)
+            && !has(*e)
+            && visible(*e, &work.balance, &work.bench.declared).is_ok()
+    });
+    let one = |effect: &'static dyn Effect| {
+        let shapes: Vec<f64> = match effect.shape() {
+            Shape::None => vec![0.0],
+            _ => spread(work, effect).into_iter().step_by(GUARDS).collect(),
+        };
+        let finite = |shape: &f64| work.balance.effect_columns(effect, *shape).iter().all(|c| is_a_number(c));
+        shapes.iter().all(finite).then_some(Side::Effect(effect, shapes))
+    };
+    asked.filter_map(one).collect()
 }
 
 fn is_a_number(column: &[f64]) -> bool {
@@ -309,8 +345,8 @@ impl Question {
         let scale = spacing(run, &run.rows.time) / self.spacing;
         let n = columns.len();
         let mut sums = vec![DMatrix::zeros(n, n); parts];
-        for k in 0..run.rows.len() {
-            let Some(at) = part(run.rows.time[k]).filter(|at| *at < parts) else { continue };
+        for (k, time) in run.rows.time.iter().enumerate() {
+            let Some(at) = part(*time).filter(|at| *at < parts) else { continue };
             for i in 0..n {
                 let own = scale * columns[i][k];
                 if own != 0.0 {
@@ -327,6 +363,11 @@ impl Question {
     /// δ² with what a run adds to the logs that are there.
     pub fn square(&self, run: &DMatrix<f64>) -> f64 {
         self.contest.square(&(&self.existing + run))
+    }
+
+    /// The same against every other effect.
+    pub fn square_guarded(&self, run: &DMatrix<f64>) -> f64 {
+        self.guarded.square(&(&self.existing + run))
     }
 
     /// δ² of the logs that are there.
