@@ -2,18 +2,16 @@
 //!
 //! The one idea: what passages say of a pair adds up as sums of products. So passages are taken one after the other, each the
 //! one after which the pairs are told apart best, the weakest pair counting most; then each is exchanged where another one is
-//! better. Every other effect counts as a rival too, so that the run brings up no third name. Where all pairs are far apart, the parameters of the models decide (D-optimality), and nothing else.
+//! better. Every other effect counts as a rival too, so that the run brings up no third name. Of equals the parameters of the
+//! models decide (D-optimality), and nothing else does.
 
 use std::cmp::Ordering;
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::facts::APART;
 use super::question::Question;
 
-/// A pair so many times as far apart as needed is no longer looked at.
-const FAR: f64 = 3.0;
 /// Two choices whose pairs are as far apart to this share are equal.
 const EQUAL: f64 = 1e-4;
 /// A pair gains less than this δ² by the best run: no run tells it apart.
@@ -22,7 +20,7 @@ const HOPELESS: f64 = 1.0;
 /// How good a choice is.
 #[derive(Debug, Clone, Copy)]
 struct Worth {
-    /// The harmonic mean of δ² over the pairs, as far as they are looked at.
+    /// The harmonic mean of δ² over the pairs.
     apart: f64,
     /// Logarithm of the determinant of the information.
     information: f64,
@@ -84,12 +82,11 @@ impl<'q> Said<'q> {
     }
 
     fn worth(&self, sums: &Sums) -> Worth {
-        let most = (FAR * APART).powi(2);
         let (mut inverse, mut information) = (0.0, 0.0);
         for ((sum, (question, _)), guarded) in sums.iter().zip(&self.questions).zip(&self.guards) {
-            inverse += 1.0 / (1.0 + question.contest.square(sum).min(most));
+            inverse += 1.0 / (1.0 + question.contest.square(sum));
             if *guarded {
-                inverse += 1.0 / (1.0 + question.guarded.square(sum).min(most));
+                inverse += 1.0 / (1.0 + question.guarded.square(sum));
             }
             information += log_determinant(sum, question.contest.common);
         }
