@@ -10,6 +10,7 @@
 
 pub mod driven;
 mod kind;
+mod played;
 pub mod profile;
 pub mod random;
 mod scenarios;
@@ -19,6 +20,7 @@ pub mod world;
 mod write;
 
 pub use kind::Kind;
+pub use played::Played;
 use profile::{Profile, Shape};
 use random::Random;
 pub use scenarios::{clean, outside, pair, scenario, shuffled};
@@ -588,26 +590,6 @@ impl Bench {
 
 /// Number of the log that is played.
 const PLAYED: usize = 99;
-
-/// Set-points that a bench plays, at even times.
-#[derive(Debug, Clone)]
-pub struct Played {
-    /// Time between them \[s\].
-    pub step: f64,
-    /// Speed: of the output on a dynamometer, of the motor elsewhere.
-    pub motion: Vec<f64>,
-    /// Current \[A\].
-    pub current: Vec<f64>,
-}
-
-impl Played {
-    /// As a drive follows it: behind three lags of 30 Hz.
-    fn profile(&self, values: &[f64], step: f64) -> Profile {
-        let segment =
-            |(k, level): (usize, &f64)| profile::Segment { start: k as f64 * self.step, level: *level, sines: 0.0 };
-        Profile::new(step, 30.0, values.iter().enumerate().map(segment).collect(), &[])
-    }
-}
 
 /// Levels in both directions, each held a few seconds.
 fn staircase(step: f64, duration: f64, peak: f64, random: &mut Random) -> Profile {
