@@ -49,6 +49,7 @@ pub fn source(limit: &Limit) -> String {
     match limit.source {
         Source::Declared(column) => format!("`{column}`"),
         Source::Asked => "as asked".into(),
+        Source::Assumed => "assumed: the largest speed in 0.5 s".into(),
         Source::Reached => "as far as the logs went; no rating is declared".into(),
     }
 }

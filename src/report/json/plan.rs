@@ -62,7 +62,7 @@ pub struct Limit<'a> {
     pub used: Option<f64>,
     /// Unit of both.
     pub unit: &'static str,
-    /// `declared`, `reached` by the logs where no rating is declared, or `asked`.
+    /// `declared`, `reached` by the logs where no rating is declared, `asked`, or `assumed` where the logs do not show it either.
     pub source: &'static str,
     /// The column that declares it.
     pub column: Option<&'static str>,
@@ -129,6 +129,7 @@ impl Limit<'_> {
             Source::Declared(column) => ("declared", Some(column)),
             Source::Reached => ("reached", None),
             Source::Asked => ("asked", None),
+            Source::Assumed => ("assumed", None),
         };
         Limit {
             of: limit.of.name(),

@@ -59,7 +59,7 @@ pub struct Separation {
     pub now: f64,
     /// δ with the planned run beside them.
     pub after: f64,
-    /// Time of the planned run until δ ≥ 6 \[s\]: within the run, or of the run repeated. `None` where no run within the limits
+    /// Time of the planned run until δ ≥ 6 \[s\], in whole passages: within the run, or of the run repeated. `None` where no run within the limits
     /// gets there in ten times the length of the plan.
     pub until: Option<f64>,
 }
@@ -140,6 +140,8 @@ pub enum Source {
     Reached,
     /// It was asked for.
     Asked,
+    /// The logs do not show it, and what is gentle is assumed.
+    Assumed,
 }
 
 /// A limit that the plan keeps.

@@ -85,8 +85,10 @@ impl Limits {
                     let slope = |k: usize| (w[k + over] - w[k]) / (over as f64 * step);
                     largest((0..w.len().saturating_sub(over)).map(slope)).filter(|a| a.is_finite())
                 });
-                let steep = steep.fold(0.0, f64::max).max(most / GENTLE);
-                limit(Quantity::Acceleration, Some(steep), Source::Reached);
+                match steep.fold(0.0, f64::max) {
+                    reached if reached > most / GENTLE => limit(Quantity::Acceleration, Some(reached), Source::Reached),
+                    _ => limit(Quantity::Acceleration, Some(most / GENTLE), Source::Assumed),
+                }
             }
             let (travel, place) = travel(&logs, ratio);
             middle = place;

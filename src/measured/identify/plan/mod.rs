@@ -328,8 +328,7 @@ fn separation(question: &Question, parts: &[DMatrix<f64>], each: f64) -> Separat
         sum += part;
         let next = question.square(&sum);
         if until.is_none() && next >= wanted {
-            let share = ((wanted - last) / (next - last).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-            until = Some((k as f64 + share) * each);
+            until = Some((k + 1) as f64 * each);
         }
         last = next;
     }
