@@ -7,16 +7,20 @@ use crate::actuator::estimate::complete;
 use crate::catalog::fitted::Fitted;
 use crate::design::remake::remake;
 use crate::measured::fitted::fitted_actuator;
+use crate::measured::identify::plan::{self, NoPlan, Wanted};
 use crate::measured::{identify, read, simulate};
 use crate::output;
 use crate::report::plot::{self, Format, residual};
-use crate::report::{fitted, forward as forward_report, html, identify as report, json, remake as remake_report};
+use crate::report::{
+    fitted, forward as forward_report, html, identify as report, json, number, plan as plan_report,
+    remake as remake_report,
+};
 use crate::units;
 
 /// Arguments of the command.
 #[derive(Debug, Args)]
 #[command(
-    before_help = "Examples:\n  gearwise identify requirements/bench/leg_actuator.toml\n  gearwise identify bench.toml --plot residual.svg --write fitted.toml\n  gearwise identify bench.toml --requirement robot.toml\n  gearwise identify bench.toml --band \"40 Hz\" --json\n\nStructure that no known effect explains is an answer, not a failure: exit status 0."
+    before_help = "Examples:\n  gearwise identify requirements/bench/leg_actuator.toml\n  gearwise identify bench.toml --plot residual.svg --write fitted.toml\n  gearwise identify bench.toml --requirement robot.toml\n  gearwise identify bench.toml --band \"40 Hz\" --json\n  gearwise identify bench.toml --plan next_run.csv --plan-time \"30 s\"\n\nStructure that no known effect explains is an answer, not a failure: exit status 0."
 )]
 pub struct Arguments {
     /// Bench file (TOML)
@@ -33,6 +37,15 @@ pub struct Arguments {
     /// Write the fitted actuator, to be used in place of a catalogue row
     #[arg(long, value_name = "FITTED.toml")]
     write: Option<PathBuf>,
+    /// Plan the run that separates what these logs do not, within the limits of the declared motor, and write its set-points
+    #[arg(long, value_name = "SETPOINTS.csv")]
+    plan: Option<PathBuf>,
+    /// How long the planned run is; by default as long as the longest log, between 20 s and 60 s
+    #[arg(long, value_name = "TIME", requires = "plan")]
+    plan_time: Option<String>,
+    /// The most that the output travels in the planned run; by default as far as in the logs
+    #[arg(long, value_name = "ANGLE", requires = "plan")]
+    plan_travel: Option<String>,
     #[command(flatten)]
     set: Set,
     #[command(flatten)]
@@ -48,6 +61,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
         None => None,
         Some(text) => Some(read_band(text)?),
     };
+    let wanted = arguments.wanted()?;
     arguments.html.check()?;
     if let Some(path) = &arguments.plot {
         Format::of(path).map_err(Failure::Argument)?;
@@ -64,8 +78,14 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
         [] => read::read(&arguments.bench)?,
         paths => read::read_with(&arguments.bench, super::catalog(paths)?)?,
     };
-    let reports = identify::identify(&bench, &identify::Options { band })
+    let identified = identify::identified(&bench, &identify::Options { band })
         .map_err(|why| Failure::Argument(format!("{}: {why}", arguments.bench.display())))?;
+    let planned = arguments.plan.as_ref().map(|path| (path, plan::plan(&bench, &identified, &wanted)));
+    if let Some((path, Err(NoPlan::TooShort(shortest)))) = &planned {
+        let why = format!("`--plan {}`: a run takes {} s at least", path.display(), number(*shortest));
+        return Err(Failure::Argument(why));
+    }
+    let reports: Vec<identify::Report> = identified.into_iter().map(|i| i.report).collect();
     // One actuator: the choice is made again with what the file says.
     let actuator = fitted_actuator(&bench, &reports);
     // The balanced objective is that of the catalogue as one chooses from it.
@@ -111,21 +131,57 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
         output::write_whole(path, fitted::text(actuator, &reports).as_bytes()).map_err(Failure::Argument)?;
         written.push(format!("The fitted actuator is in {}.", path.display()));
     }
+    if let Some((path, Ok(plan))) = &planned {
+        output::write_whole(path, plan_report::csv(&bench, plan).as_bytes()).map_err(Failure::Argument)?;
+    }
     let text = arguments.output.choose(
         || {
             let set = robot.as_ref().map_or_else(String::new, super::told_set);
             let choice = remade.as_deref().map(|remade| set + &remake_report::text(remade));
             let simulated = forward.as_ref().map(forward_report::text);
-            [Some(report::text(&bench, &reports, &written)), simulated, choice]
+            let next = planned.as_ref().map(|(path, plan)| plan_report::text(&bench, plan, path));
+            [Some(report::text(&bench, &reports, &written)), next, simulated, choice]
                 .into_iter()
                 .flatten()
                 .collect::<Vec<_>>()
                 .join("\n")
         },
-        || json::identify::json(&bench, &reports, forward.as_ref(), remade.as_deref()),
+        || {
+            let next = planned.as_ref().map(|(path, plan)| {
+                let file = plan.is_ok().then(|| path.display().to_string());
+                json::identify::Planned::new(&bench, plan, file)
+            });
+            json::identify::json(&bench, &reports, forward.as_ref(), remade.as_deref(), next)
+        },
         || report::csv(&bench, &reports),
     );
-    Ok(Done { text, satisfied: true })
+    let satisfied = planned.is_none_or(|(_, plan)| plan_report::is_satisfied(&plan));
+    Ok(Done { text, satisfied })
+}
+
+impl Arguments {
+    /// What is wanted of a plan.
+    fn wanted(&self) -> Result<Wanted, Failure> {
+        let read =
+            |option: &str, text: &Option<String>, kinds: &[&'static units::Kind]| -> Result<Option<f64>, Failure> {
+                let Some(text) = text else { return Ok(None) };
+                let read = kinds.iter().map(|kind| (kind, units::quantity(text, kind))).collect::<Vec<_>>();
+                if let Some(value) = read.iter().find_map(|(_, value)| value.as_ref().ok()) {
+                    return match *value > 0.0 {
+                        true => Ok(Some(*value)),
+                        false => Err(Failure::Argument(format!("`{option} {text}` must be greater than zero"))),
+                    };
+                }
+                let said =
+                    read.into_iter().find_map(|(kind, value)| value.err().map(|e| (e.message(kind), e.help(kind))));
+                let (message, help) = said.unwrap_or_default();
+                Err(Failure::Argument(format!("`{option} {text}`: {message}; {help}")))
+            };
+        Ok(Wanted {
+            time: read("--plan-time", &self.plan_time, &[&units::TIME])?,
+            travel: read("--plan-travel", &self.plan_travel, &[&units::ANGLE, &units::LENGTH])?,
+        })
+    }
 }
 
 fn read_band(text: &str) -> Result<f64, Failure> {

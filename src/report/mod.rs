@@ -27,6 +27,7 @@ pub mod optimize;
 mod outlook;
 pub mod over;
 pub mod pareto;
+pub mod plan;
 pub mod plot;
 mod prune;
 pub mod rank;

@@ -10,6 +10,7 @@
 
 pub mod driven;
 mod kind;
+mod played;
 pub mod profile;
 pub mod random;
 mod scenarios;
@@ -19,6 +20,7 @@ pub mod world;
 mod write;
 
 pub use kind::Kind;
+pub use played::Played;
 use profile::{Profile, Shape};
 use random::Random;
 pub use scenarios::{clean, outside, pair, scenario, shuffled};
@@ -45,6 +47,8 @@ pub struct Declared {
     /// Factors on b and c; `None` leaves the cell blank.
     pub viscous: Option<f64>,
     pub coulomb: Option<f64>,
+    /// Whether the row says the largest speed.
+    pub max_speed: bool,
 }
 
 /// How the bench is driven.
@@ -59,6 +63,10 @@ pub struct Excitation {
     pub corner: f64,
     /// One speed, one direction, one current.
     pub poor: bool,
+    /// One current, whatever the speed does.
+    pub steady_current: bool,
+    /// One speed in both directions.
+    pub steady_speed: bool,
 }
 
 /// A bench to be written.
@@ -81,6 +89,8 @@ pub struct Bench {
     pub servo: Servo,
     /// All logs in one file, told apart by a column.
     pub one_file: bool,
+    /// What is played in a log of its own.
+    pub played: Option<Played>,
     /// Instead of the effects themselves the logs carry them in pieces in random order.
     pub shuffled: bool,
 }
@@ -185,6 +195,7 @@ impl Bench {
                 resistance: 1.0,
                 viscous: Some(1.0),
                 coulomb: Some(1.0),
+                max_speed: false,
             },
             sensors: Sensors {
                 velocity: Velocity::Estimate { late },
@@ -205,7 +216,15 @@ impl Bench {
                 phase_amplitude: false,
                 unfriendly: Unfriendly::default(),
             },
-            excitation: Excitation { speed: 1.0, slow: 0.3, slow_level: 0.05, corner: 8.0, poor: false },
+            excitation: Excitation {
+                speed: 1.0,
+                slow: 0.3,
+                slow_level: 0.05,
+                corner: 8.0,
+                poor: false,
+                steady_current: false,
+                steady_speed: false,
+            },
             noise: 0.01,
             servo: Servo {
                 gain: random.within(2.0, 5.0),
@@ -213,6 +232,7 @@ impl Bench {
                 length: random.within(0.09, 0.12),
             },
             one_file: false,
+            played: None,
             shuffled: false,
         }
     }
@@ -328,12 +348,39 @@ impl Bench {
             sines: 0.15,
             corner: 40.0,
         };
+        if let Some(played) = self.played.as_ref().filter(|_| log == PLAYED) {
+            let profile = |values: &[f64]| played.profile(values, step);
+            let (motion, current) = (profile(&played.motion), profile(&played.current));
+            let (winding, housing) = (world::REFERENCE, world::REFERENCE);
+            return Drive { step, duration: self.duration, motion, current, winding, housing, seed: self.seed ^ 0x7a };
+        }
+        let steps = |speed: f64, random: &mut Random| {
+            let holds = (0..(self.duration / 0.8) as usize).map(|k| 0.3 + 0.8 * k as f64).collect::<Vec<f64>>();
+            let level = |k: usize| if k.is_multiple_of(2) { 0.5 * speed } else { -0.5 * speed };
+            let start = random.within(0.0, 0.2);
+            let segment = |(k, at): (usize, &f64)| profile::Segment { start: at - start, level: level(k), sines: 0.0 };
+            Profile::new(step, self.excitation.corner, holds.iter().enumerate().map(segment).collect(), &[])
+        };
         let (motion, current) = match self.kind {
+            Kind::Dynamometer | Kind::Free | Kind::Drag if self.excitation.steady_speed => {
+                let current = match self.kind {
+                    Kind::Dynamometer if self.excitation.steady_current => {
+                        Profile::constant(step, 0.4 * m.peak_current)
+                    }
+                    Kind::Drag => Profile::constant(step, 0.0),
+                    _ => Profile::random(step, self.duration, &load, &mut random),
+                };
+                (steps(speed, &mut random), current)
+            }
             Kind::Servo if self.excitation.poor => (Profile::constant(step, 0.5), Profile::constant(step, 0.0)),
             Kind::Drag if self.excitation.poor => (Profile::constant(step, 0.4 * speed), Profile::constant(step, 0.0)),
             _ if self.excitation.poor => {
                 (Profile::constant(step, 0.4 * speed), Profile::constant(step, 0.4 * m.peak_current))
             }
+            Kind::Dynamometer | Kind::Electrical if self.excitation.steady_current => (
+                Profile::random(step, self.duration, &shape, &mut random),
+                Profile::constant(step, 0.4 * m.peak_current),
+            ),
             Kind::Stall => (Profile::constant(step, 0.0), staircase(step, self.duration, m.peak_current, &mut random)),
             Kind::Backdrive => (staircase(step, self.duration, speed, &mut random), Profile::constant(step, 0.0)),
             Kind::Drag => (Profile::random(step, self.duration, &shape, &mut random), Profile::constant(step, 0.0)),
@@ -528,11 +575,21 @@ impl Bench {
         (amplitude, rms)
     }
 
+    /// Plays set-points on the bench as it was written, and adds the log to its file, for fitting.
+    pub fn play(&self, truth: &Truth, played: Played, directory: &Path) {
+        let duration = played.step * (played.motion.len() - 1) as f64;
+        let bench = Bench { duration, played: Some(played), ..self.clone() };
+        write::add(&bench, truth, PLAYED, directory);
+    }
+
     /// Writes bench file, catalogue and logs into a directory that exists.
     pub fn write(&self, directory: &Path) -> Truth {
         write::write(self, directory)
     }
 }
+
+/// Number of the log that is played.
+const PLAYED: usize = 99;
 
 /// Levels in both directions, each held a few seconds.
 fn staircase(step: f64, duration: f64, peak: f64, random: &mut Random) -> Profile {

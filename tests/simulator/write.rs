@@ -91,6 +91,20 @@ pub fn write(bench: &Bench, directory: &Path) -> Truth {
     }
 }
 
+/// Adds a log of a machine that was written before to its bench file.
+pub fn add(bench: &Bench, truth: &Truth, log: usize, directory: &Path) {
+    let effects: Vec<_> = bench.effects.iter().map(|(effect, _)| *effect).collect();
+    let base = Nature::new(bench.machine.clone(), &effects, &mut Random::new(bench.seed, "nature"));
+    let base = bench.simulate(&base, log);
+    // The log after the last is none that judges.
+    let bench = &Bench { logs: usize::MAX, ..bench.clone() };
+    let written = write_log(bench, &truth.nature, truth.noise_rms, log, base, directory);
+    let name = written.file.file_name().expect("a file").to_string_lossy();
+    let mut text = fs::read_to_string(&truth.bench).expect("it was written");
+    let _ = writeln!(text, "[[log]]\nfile = \"{name}\"\nuse = \"fit\"");
+    fs::write(&truth.bench, text).expect("the bench file can be written");
+}
+
 fn write_log(bench: &Bench, nature: &Nature, noise_rms: f64, log: usize, base: Trace, directory: &Path) -> LogTruth {
     let mut random = Random::new(bench.seed, &format!("instruments {log}"));
     let target = bench.kind.target_channel();
@@ -297,6 +311,8 @@ fn catalog(bench: &Bench) -> String {
         ("source", "simulated bench".into()),
         ("source_kind", "measured".into()),
     ];
+    let speed = d.max_speed.then(|| ("max_speed [rad/s]", cell(m.peak_speed, Some(1.0))));
+    let columns: Vec<(&str, String)> = columns.into_iter().chain(speed).collect();
     let header: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
     let row: Vec<&str> = columns.iter().map(|(_, cell)| cell.as_str()).collect();
     format!("{}\n{}\n", header.join(","), row.join(","))

@@ -12,12 +12,14 @@ mod band;
 mod candidates;
 mod flexible;
 mod hats;
+mod identified;
 mod machine;
 pub mod noise;
 mod numbers;
 mod orders;
 pub(crate) mod origin;
 mod owning;
+pub mod plan;
 pub(crate) mod prepare;
 mod refit;
 pub(crate) mod regression;
@@ -36,7 +38,9 @@ pub use crate::measured::answer::{
     Target, Unexplained,
 };
 pub use balance::{Balance, Corrections, Setting, targets};
+pub use identified::Identified;
 
+use self::identified::Final;
 use self::work::{Kind, Term, Work};
 use crate::effects::{Effect, Shape};
 use crate::measured::select::{self, Judge, Pruner};
@@ -63,6 +67,14 @@ const STEPS: usize = 16;
 /// # Errors
 /// In words, where the logs say nothing that can be compared.
 pub fn identify(bench: &Bench, options: &Options) -> Result<Vec<Report>, String> {
+    Ok(identified(bench, options)?.into_iter().map(|i| i.report).collect())
+}
+
+/// The same with the final model of each equation, for a plan of the next run.
+///
+/// # Errors
+/// In words, where the logs say nothing that can be compared.
+pub fn identified(bench: &Bench, options: &Options) -> Result<Vec<Identified>, String> {
     let (prepared, findings) = prepare::prepare(bench);
     let bench = &prepared;
     let contradicted = findings.iter().any(|f| f.about.contradicts());
@@ -88,13 +100,13 @@ pub fn identify(bench: &Bench, options: &Options) -> Result<Vec<Report>, String>
                 &findings,
             ));
         }
-        return Ok(reports);
+        return Ok(reports.into_iter().map(Identified::without_model).collect());
     }
-    let mut reports: Vec<Report> = targets.into_iter().filter_map(|target| run(bench, target, options)).collect();
+    let mut reports: Vec<Identified> = targets.into_iter().filter_map(|target| run(bench, target, options)).collect();
     if simulated {
-        reports.extend(simulate::identify_servo(bench));
+        reports.extend(simulate::identify_servo(bench).map(Identified::without_model));
     }
-    for report in &mut reports {
+    for Identified { report, .. } in &mut reports {
         report.mark_what_was_taken_back();
         report.findings.extend(findings.iter().cloned());
     }
@@ -108,13 +120,14 @@ pub fn identify(bench: &Bench, options: &Options) -> Result<Vec<Report>, String>
 }
 
 /// Identifies one equation; again without the few seconds that own the error, where there are such.
-fn run(bench: &Bench, target: Target, options: &Options) -> Option<Report> {
-    let report = once(bench, target, options)?;
+fn run(bench: &Bench, target: Target, options: &Options) -> Option<Identified> {
+    let first = once(bench, target, options)?;
+    let report = &first.report;
     let owning = owning::seconds(&report.pictures, |log| {
         bench.logs.iter().any(|l| l.name == report.pictures.names[log] && l.usage == Use::Fit)
     });
     if owning.is_empty() {
-        return Some(report);
+        return Some(first);
     }
     let mut without = bench.clone();
     let mut findings = Vec::new();
@@ -127,19 +140,19 @@ fn run(bench: &Bench, target: Target, options: &Options) -> Option<Report> {
         findings.push(Finding { log: log.name.clone(), about: About::Owns { from, to, share } });
     }
     let mut again = once(&without, target, options)?;
-    again.findings.extend(findings);
-    again.evidence.owned = true;
-    again.verdict = evidence::verdict(&again.evidence);
+    again.report.findings.extend(findings);
+    again.report.evidence.owned = true;
+    again.report.verdict = evidence::verdict(&again.report.evidence);
     Some(again)
 }
 
 /// Identifies one equation, in a band in which the values of what is named do not depend on it.
-fn once(bench: &Bench, target: Target, options: &Options) -> Option<Report> {
+fn once(bench: &Bench, target: Target, options: &Options) -> Option<Identified> {
     narrowed(bench, target, options, if options.band.is_some() { NARROWED } else { 0 })
 }
 
 /// The same after the band was halved so many times.
-fn narrowed(bench: &Bench, target: Target, options: &Options, times: usize) -> Option<Report> {
+fn narrowed(bench: &Bench, target: Target, options: &Options, times: usize) -> Option<Identified> {
     let wide = Setting::uncorrected(bench, options.band);
     let mut first = Balance::new(bench, target, &wide)?;
     let mut band = options.band;
@@ -230,9 +243,9 @@ fn narrowed(bench: &Bench, target: Target, options: &Options, times: usize) -> O
         let band = work.balance.band?;
         if times < NARROWED {
             let half = Options { band: Some(0.5 * band) };
-            let mut report = narrowed(bench, target, &half, times + 1)?;
-            report.remarks.insert(0, depends.narrowed(band));
-            return Some(report);
+            let mut again = narrowed(bench, target, &half, times + 1)?;
+            again.report.remarks.insert(0, depends.narrowed(band));
+            return Some(again);
         }
         if options.band.is_some() && times == NARROWED {
             let is_it = |t: &usize| work.terms[*t].effect().is_some_and(|(e, _)| e == depends.effect);
@@ -244,7 +257,8 @@ fn narrowed(bench: &Bench, target: Target, options: &Options, times: usize) -> O
         }
     }
     let found = artefacts::list(&work, &corrections);
-    Some(report::report(work, selection, stages, found, held))
+    let model = Final::of(&work, &corrections, &held);
+    Some(Identified { report: report::report(work, selection, stages, found, held), model: Some(model) })
 }
 
 /// Adds effects and takes them back until nothing more is to be said with certainty.

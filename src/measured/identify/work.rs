@@ -13,7 +13,7 @@ use crate::measured::{Bench, Use};
 use crate::numerics::sums::finite_sum;
 
 /// A term of the model: a parameter of the declared model or an effect.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 pub struct Term {
     /// Which.
     pub kind: Kind,
@@ -24,7 +24,7 @@ pub struct Term {
 }
 
 /// What a term is.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
 pub enum Kind {
     /// The n-th parameter of the declared model.
     Base(usize),

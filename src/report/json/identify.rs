@@ -5,6 +5,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::design::Pairs;
+pub use super::plan::Planned;
 use super::remake::Remade;
 use super::{document, finite};
 use crate::design::remake;
@@ -34,6 +35,9 @@ pub struct Answer<'a> {
     /// The choice made again, where a requirement is given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub design: Option<Remade<'a>>,
+    /// The next run, where a plan is asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub plan: Option<Planned<'a>>,
 }
 
 /// What one equation of the actuator says.
@@ -378,6 +382,7 @@ pub fn json(
     reports: &[Report],
     forward: Option<&ForwardCheck>,
     remade: Option<&[remake::Remade]>,
+    plan: Option<Planned>,
 ) -> Value {
     let (first, further) = reports.split_first().map_or((None, reports), |(first, further)| (Some(first), further));
     let of_all = |first| {
@@ -398,6 +403,7 @@ pub fn json(
             further: further.iter().map(|r| Equation::new(bench, r)).collect(),
             forward: forward.map(Forward::new),
             design: remade.map(Remade::new),
+            plan,
         },
     )
 }

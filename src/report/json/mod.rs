@@ -19,6 +19,7 @@ pub mod optimize;
 pub mod outlook;
 pub mod over;
 pub mod pareto;
+mod plan;
 pub mod remake;
 pub mod robot;
 pub mod robust;

@@ -482,3 +482,75 @@ fn the_page_tells_the_loop_in_six_lines() {
     let lines = six_lines(&[EXAMPLE]);
     assert!(lines[3].contains("not made again") && lines[4].contains("not known"), "{lines:?}");
 }
+
+/// Nothing is confounded in the example: no run is planned, no file is written, and that is no failure.
+#[test]
+fn no_run_is_planned_where_nothing_is_confounded() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("next.csv");
+    let file = path.to_str().unwrap();
+    let output = gearwise(&["identify", EXAMPLE, "--plan", file]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(stdout(&output).contains("no run is planned: nothing is confounded"), "{}", stdout(&output));
+    assert!(!path.exists());
+    let result = json(&gearwise(&["identify", EXAMPLE, "--plan", file, "--json"]));
+    assert_eq!((result["plan"]["outcome"].as_str(), result["plan"]["file"].is_null()), (Some("nothing_open"), true));
+    // Without `--plan` nothing is said of it.
+    assert!(json(&gearwise(&["identify", EXAMPLE, "--json"])).get("plan").is_none());
+    for wrong in [
+        vec!["--plan-time", "30 s"],
+        vec!["--plan", file, "--plan-time", "30 kg"],
+        vec!["--plan", file, "--plan-travel=-3 deg"],
+    ] {
+        let output = gearwise(&[&["identify", EXAMPLE], wrong.as_slice()].concat());
+        assert_eq!(output.status.code(), Some(2), "{wrong:?}");
+        assert!(stderr(&output).contains("--plan"), "{}", stderr(&output));
+    }
+}
+
+/// At one speed and one current a friction may be of several laws: the run that separates them is written as set-points, and it is
+/// said within which limits.
+#[test]
+fn a_confounded_name_gets_a_run_to_play() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("next.csv");
+    let file = path.to_str().unwrap();
+    let planned = |seed: u64| {
+        let mut bench = simulator::Bench::dynamometer(seed)
+            .sampled(6.0, 200.0)
+            .with_noise(simulator::Effect::CoulombFriction, 2.0)
+            .excitation(|e| (e.steady_speed, e.steady_current) = (true, true))
+            .declared(|d| (d.viscous, d.coulomb) = (None, None));
+        (bench.machine.viscous, bench.machine.coulomb) = (1e-3 * bench.machine.viscous, 1e-3 * bench.machine.coulomb);
+        let truth = bench.write(folder.path());
+        let input = truth.bench.to_str().unwrap().to_string();
+        let result = json(&gearwise(&["identify", &input, "--plan", file, "--plan-time", "12 s", "--json"]));
+        (result["plan"]["outcome"] == "planned").then_some((input, result, truth))
+    };
+    let (input, result, truth) = (1..=6).find_map(planned).expect("a name that is confounded");
+    let output = gearwise(&["identify", &input, "--plan", file, "--plan-time", "12 s"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = stdout(&output);
+    for part in
+        ["The next run:", "δ now", "_friction or ", "speed of the motor", "no rating is declared", "continuous_current"]
+    {
+        assert!(text.contains(part), "`{part}` is not in\n{text}");
+    }
+    let written = fs::read_to_string(&path).unwrap();
+    let mut lines = written.lines();
+    let header = "time [s],output_position [rad],output_velocity [rad/s],current [A],motor_torque [N*m],\
+                  expected_output_torque [N*m]";
+    assert_eq!(lines.next(), Some(header));
+    let rows: Vec<Vec<f64>> = lines.map(|l| l.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
+    assert_eq!(rows.len(), 1201);
+    let plan = &result["plan"];
+    assert_eq!((plan["file"].as_str(), plan["duration_s"].as_f64()), (Some(file), Some(12.0)));
+    let pair = &plan["pairs"][0];
+    assert!(pair["delta_now"].as_f64() < pair["delta_after"].as_f64(), "{pair}");
+    let limit = |of: &str| plan["limits"].as_array().unwrap().iter().find(|l| l["of"] == of).unwrap().clone();
+    let (speed, heat) = (limit("speed"), limit("heat"));
+    assert_eq!((speed["source"].as_str(), speed["column"].is_null()), (Some("reached"), true));
+    assert_eq!((heat["source"].as_str(), heat["column"].as_str()), (Some("declared"), Some("continuous_current")));
+    let largest = rows.iter().map(|r| r[2].abs()).fold(0.0, f64::max) * truth.machine.ratio;
+    assert!(largest <= speed["allowed"].as_f64().unwrap() * 1.0001, "{largest} {speed}");
+}
