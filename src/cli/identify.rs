@@ -8,9 +8,12 @@ use crate::catalog::fitted::Fitted;
 use crate::design::remake::remake;
 use crate::measured::fitted::fitted_actuator;
 use crate::measured::identify::plan::{self, NoPlan, Wanted};
+use crate::measured::robot::{self, JointReport, RobotBench, RobotReport, Subject};
 use crate::measured::{identify, read, simulate};
 use crate::output;
+use crate::report::identify::robot as robot_report;
 use crate::report::plot::{self, Format, residual};
+use crate::report::table::paragraph;
 use crate::report::{
     fitted, forward as forward_report, html, identify as report, json, number, plan as plan_report,
     remake as remake_report,
@@ -28,6 +31,9 @@ pub struct Arguments {
     /// Cut-off of the filter that everything goes through; chosen from the data if not given
     #[arg(long, value_name = "FREQUENCY")]
     band: Option<String>,
+    /// Of a bench file of a whole robot: show all of this joint; the motion of the others is its load
+    #[arg(long, value_name = "NAME")]
+    joint: Option<String>,
     /// Draw the residual before and after, against speed, position, current, temperature and time
     #[arg(long, value_name = "FILE.svg|FILE.png")]
     plot: Option<PathBuf>,
@@ -74,12 +80,34 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
             return Err(Failure::Argument(why.into()));
         }
     };
-    let bench = match arguments.catalog.catalog.as_slice() {
-        [] => read::read(&arguments.bench)?,
-        paths => read::read_with(&arguments.bench, super::catalog(paths)?)?,
+    let catalog = match arguments.catalog.catalog.as_slice() {
+        [] => None,
+        paths => Some(super::catalog(paths)?),
     };
-    let identified = identify::identified(&bench, &identify::Options { band })
-        .map_err(|why| Failure::Argument(format!("{}: {why}", arguments.bench.display())))?;
+    let options = identify::Options { band };
+    let failed = |why: String| Failure::Argument(format!("{}: {why}", arguments.bench.display()));
+    let mut masses = None;
+    let (bench, identified) = match read::read_subject(&arguments.bench, catalog)? {
+        Subject::Robot(robot) => {
+            let joint = arguments.joint_of(&robot)?;
+            let mut report = robot::identify(&robot, &options, joint).map_err(failed)?;
+            if joint.is_none() {
+                return arguments.whole_robot(&robot, &report, call);
+            }
+            let Some(JointReport { bench, identified, .. }) = report.joints.pop() else {
+                return Err(failed("the joint has no report".into()));
+            };
+            masses = Some(robot_report::payload(&robot, &report.payload));
+            (bench, identified.map_err(failed)?)
+        }
+        Subject::Actuator(_) if arguments.joint.is_some() => {
+            return Err(Failure::Argument("`--joint` is of a bench file of a whole robot, with [mechanism]".into()));
+        }
+        Subject::Actuator(bench) => {
+            let identified = identify::identified(&bench, &options).map_err(failed)?;
+            (*bench, identified)
+        }
+    };
     let planned = arguments.plan.as_ref().map(|path| (path, plan::plan(&bench, &identified, &wanted)));
     if let Some((path, Err(NoPlan::TooShort(shortest)))) = &planned {
         let why = format!("`--plan {}`: a run takes {} s at least", path.display(), number(*shortest));
@@ -140,7 +168,8 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
             let choice = remade.as_deref().map(|remade| set + &remake_report::text(remade));
             let simulated = forward.as_ref().map(forward_report::text);
             let next = planned.as_ref().map(|(path, plan)| plan_report::text(&bench, plan, path));
-            [Some(report::text(&bench, &reports, &written)), next, simulated, choice]
+            let masses = masses.as_ref().map(|said| paragraph(said, 0, 2));
+            [masses, Some(report::text(&bench, &reports, &written)), next, simulated, choice]
                 .into_iter()
                 .flatten()
                 .collect::<Vec<_>>()
@@ -160,6 +189,52 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
 }
 
 impl Arguments {
+    /// The joint that is asked for; `None` where all are.
+    fn joint_of(&self, robot: &RobotBench) -> Result<Option<usize>, Failure> {
+        let Some(name) = &self.joint else {
+            let alone = [
+                ("--write", self.write.is_some()),
+                ("--requirement", self.requirement.is_some()),
+                ("--plot", self.plot.is_some()),
+                ("--plan", self.plan.is_some()),
+            ];
+            return match alone.iter().find(|(_, given)| *given) {
+                Some((option, _)) => {
+                    let names = robot.joints.iter().filter(|j| j.declared.is_some()).map(|j| j.name.as_str());
+                    let names: Vec<&str> = names.collect();
+                    let why = format!("`{option}` is of one joint: `--joint` says which of {}", names.join(", "));
+                    Err(Failure::Argument(why))
+                }
+                None => Ok(None),
+            };
+        };
+        if self.plan.is_some() {
+            let why = "`--plan` plans the run of one actuator on a bench: the runs of a whole robot are not planned";
+            return Err(Failure::Argument(why.into()));
+        }
+        let with: Vec<&str> = robot.joints.iter().filter(|j| j.declared.is_some()).map(|j| j.name.as_str()).collect();
+        let found = robot.joints.iter().position(|j| j.name == *name && j.declared.is_some());
+        match found {
+            Some(joint) => Ok(Some(joint)),
+            None => {
+                let why = format!("`--joint {name}`: the joints with an actuator are {}", with.join(", "));
+                Err(Failure::Argument(why))
+            }
+        }
+    }
+
+    /// What is said of all joints.
+    fn whole_robot(&self, robot: &RobotBench, report: &RobotReport, call: &Call) -> Result<Done, Failure> {
+        let said = robot_report::Said::new(report);
+        self.html.write(call, || robot.files.clone(), || html::identify_robot::page(robot, &said))?;
+        let text = self.output.choose(
+            || robot_report::text(robot, &said),
+            || json::identify_robot::json(robot, &said),
+            || robot_report::csv(robot, &said),
+        );
+        Ok(Done { text, satisfied: true })
+    }
+
     /// What is wanted of a plan.
     fn wanted(&self) -> Result<Wanted, Failure> {
         let read =

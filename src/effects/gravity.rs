@@ -34,6 +34,10 @@ impl Effect for Gravity {
         positive("the amplitude", values[0].hypot(values[1]), scale.torque, "the largest torque on the bench")
     }
 
+    fn is_weight(&self) -> bool {
+        true
+    }
+
     fn once_a_turn(&self) -> bool {
         true
     }

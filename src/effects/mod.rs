@@ -224,6 +224,11 @@ pub trait Effect: Sync {
         self.acts_on() == Equation::Angle
     }
 
+    /// Whether it is the weight of a load that nobody declared, which the gear transmits.
+    fn is_weight(&self) -> bool {
+        false
+    }
+
     /// Whether it is proportional to speed as the back-EMF is: where a duty cycle drives, both are one damping.
     fn is_damping(&self) -> bool {
         false
@@ -326,6 +331,11 @@ pub fn of_column(column: &str) -> Option<&'static dyn Effect> {
 /// The effect that is the efficiency of a gear.
 pub fn of_efficiency() -> Option<&'static dyn Effect> {
     EFFECTS.iter().find(|e| matches!(e.kind_of_entry(), Enters::Efficiency { .. })).copied()
+}
+
+/// The effect that is the weight of a load that nobody declared.
+pub fn of_weight() -> Option<&'static dyn Effect> {
+    EFFECTS.iter().find(|e| e.is_weight()).copied()
 }
 
 /// The effect that is in one damping with the back-EMF.

@@ -100,6 +100,9 @@ pub enum Channel {
     WindingTemperature,
     /// Temperature of the housing (or magnets) \[K\].
     HousingTemperature,
+    /// Torque that a robot asks of the joint \[N·m at the output\]: computed from its description and the motion of all joints, in
+    /// no file.
+    LoadTorque,
 }
 
 impl Channel {
@@ -119,6 +122,7 @@ impl Channel {
             Channel::Command => "the command",
             Channel::WindingTemperature => "the winding temperature",
             Channel::HousingTemperature => "the housing temperature",
+            Channel::LoadTorque => "the torque of the load",
         }
     }
 }
@@ -141,14 +145,25 @@ pub struct KnownLoad {
     pub gravity_torque: Option<f64>,
 }
 
-/// The controller of a servo: `duty = gain · (goal − position)`, within ±limit.
+/// What a controller makes of an error of position.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Law {
+    /// A duty cycle: of a servo.
+    Duty,
+    /// A torque at the output, by the declared torque constant: of a drive with control of current (impedance control).
+    Torque,
+}
+
+/// The controller of a servo: `duty = gain · (goal − position) − damping · speed`, within ±limit; or a torque at the output.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Controller {
-    /// Duty per angle at the output \[1/rad\].
+    /// What it makes.
+    pub law: Law,
+    /// Duty per angle at the output \[1/rad\], or torque per angle \[N·m/rad\].
     pub gain: f64,
-    /// Duty per speed at the output \[s/rad\].
+    /// Duty per speed at the output \[s/rad\], or torque per speed \[N·m·s/rad\].
     pub damping: f64,
-    /// Largest duty.
+    /// Largest duty, or torque \[N·m\].
     pub limit: f64,
     /// Supply voltage where the log does not have it \[V\].
     pub supply: Option<f64>,
@@ -188,6 +203,8 @@ pub struct Log {
     pub fresh: BTreeMap<Channel, f64>,
     /// Channels that were measured at the motor and brought to the output by the ratio.
     pub from_motor: BTreeSet<Channel>,
+    /// Up to which frequency \[Hz\] what was computed of the motion is that of the motion; `None` where nothing was.
+    pub band: Option<f64>,
     /// Time \[s\], increasing; row number for a steady table without time.
     pub time: Vec<f64>,
     /// The channels that the log has.
@@ -219,7 +236,7 @@ impl Log {
 
     /// Channels that have one value throughout. A supply may.
     pub fn stuck(&self) -> Vec<Channel> {
-        let suspicious = |channel: Channel| !matches!(channel, Channel::Supply);
+        let suspicious = |channel: Channel| !matches!(channel, Channel::Supply | Channel::LoadTorque);
         let stuck = self.channels.iter().filter(|(channel, values)| suspicious(**channel) && is_constant(values));
         stuck.map(|(channel, _)| *channel).collect()
     }
@@ -271,6 +288,8 @@ pub struct Declared {
     pub fixture_inertia: f64,
     /// Further effects that the model has already.
     pub effects: Vec<FittedEffect>,
+    /// Effects that are not to be asked for.
+    pub without: Vec<&'static dyn Effect>,
 }
 
 impl Declared {

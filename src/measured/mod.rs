@@ -9,6 +9,7 @@ pub mod characterize;
 pub mod fitted;
 pub mod identify;
 pub mod read;
+pub mod robot;
 pub mod select;
 pub mod signals;
 pub mod simulate;

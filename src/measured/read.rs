@@ -7,6 +7,7 @@ mod actuator;
 mod columns;
 mod readings;
 mod remark;
+mod robot;
 mod table;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -19,8 +20,10 @@ use self::columns::{Column, Target};
 use self::remark::Remark;
 use self::table::{Condition, Rows, Wanted};
 use super::bench::*;
+use super::robot::Subject;
 use crate::catalog::Catalog;
 use crate::catalog::convention::Commutation;
+use crate::effects::{EFFECTS, Effect, FittedEffect};
 use crate::input::kind::{self, FileKind};
 use crate::input::{Description, Form, InputError, InputFile, Key, Problem, Range, Section, Source, key};
 use crate::units;
@@ -58,28 +61,64 @@ pub fn read_for_row(path: &Path, catalog: Option<Catalog>) -> Result<Bench, Vec<
     read_file(path, catalog, true)
 }
 
+/// A bench file of one actuator, or of the joints of a robot. With a catalogue in place of the one that the file names,
+/// where given.
+///
+/// # Errors
+/// As of [`read`].
+pub fn read_subject(path: &Path, catalog: Option<Catalog>) -> Result<Subject, Vec<InputError>> {
+    read_form(path, |root, source, others| {
+        if robot::is_one(root) {
+            return robot::read(root, path, source, catalog, others).map(|robot| Subject::Robot(Box::new(robot)));
+        }
+        read_bench(root, path, source, catalog, false, others).map(|bench| Subject::Actuator(Box::new(bench)))
+    })
+}
+
 fn read_file(path: &Path, catalog: Option<Catalog>, for_row: bool) -> Result<Bench, Vec<InputError>> {
+    read_form(path, |root, source, others| {
+        if robot::is_one(root) {
+            robot::refuse(root);
+            return None;
+        }
+        read_bench(root, path, source, catalog, for_row, others)
+    })
+}
+
+fn read_form<T>(
+    path: &Path,
+    read: impl FnOnce(&Section, &Arc<Source>, &mut Vec<InputError>) -> Option<T>,
+) -> Result<T, Vec<InputError>> {
     let source = Source::argument(path).map_err(|e| vec![e])?;
     let mut others = Vec::new();
-    let bench = Form::read(&source, |root| read_bench(root, path, &source, catalog, for_row, &mut others));
+    let bench = Form::read(&source, |root| read(root, &source, &mut others));
     let read = Form::with_others(bench, others);
     read.map_err(|errors| kind::instead_of_all(errors, &source, &[FileKind::Bench]))
 }
 
-/// A log as the bench file describes it.
+/// A log as the bench file describes it, of one actuator.
 struct Plan {
+    recording: Recording,
+    kind: BenchKind,
+    /// The actuator, by its number among those of the bench file.
+    joint: usize,
+    frame: Frame,
+    load: KnownLoad,
+    controller: Option<Controller>,
+    rotor: bool,
+    columns: Vec<Column>,
+}
+
+/// A file of rows and what of it belongs to a log.
+#[derive(Clone)]
+struct Recording {
     file: String,
     path: PathBuf,
     file_span: Span<usize>,
     span: Span<usize>,
     usage: Use,
-    kind: BenchKind,
-    load: KnownLoad,
-    controller: Option<Controller>,
-    rotor: bool,
     select: Vec<Condition>,
     exclude: Vec<Span<f64>>,
-    columns: Vec<Column>,
 }
 
 /// What the logs have in common.
@@ -91,6 +130,53 @@ struct Common<'a> {
     frame: &'a Frame,
 }
 
+/// One machine is simulated: by voltages, or by torques.
+fn check_laws(root: &Section, plans: &[Plan]) {
+    let of = |law: Law| {
+        let is_law = |p: &&Plan| p.kind == BenchKind::Servo && p.controller.map_or(Law::Duty, |c| c.law) == law;
+        plans.iter().find(is_law)
+    };
+    if let (Some(_), Some(torque)) = (of(Law::Duty), of(Law::Torque)) {
+        let message = "one log's controller makes a torque, another's a duty cycle";
+        root.note(
+            Problem::at(torque.recording.span.clone(), message, "this one makes a torque")
+                .help("two bench files, one for each, compare them with the model"),
+        );
+    }
+}
+
+/// Effects that are not to be asked for, each named once.
+fn read_without(root: &Section, declared: &[FittedEffect]) -> Option<Vec<&'static dyn Effect>> {
+    if !root.has(WITHOUT) {
+        return Some(Vec::new());
+    }
+    let mut found: Vec<&'static dyn Effect> = Vec::new();
+    for name in root.texts(WITHOUT)? {
+        let Some(effect) = EFFECTS.iter().copied().find(|e| e.name() == name.get_ref()) else {
+            root.note(
+                Problem::at(name.span(), format!("unknown effect `{}`", name.get_ref()), "not in the library")
+                    .suggest(name.get_ref(), EFFECTS.iter().map(|e| e.name())),
+            );
+            continue;
+        };
+        if declared.iter().any(|d| d.effect == effect) {
+            let message = format!("`{}` is declared: it is in the model, and not asked for", name.get_ref());
+            root.note(Problem::at(name.span(), message, "named here").help(
+                "take it out of the row or of `actuator.effects` to do without it; what is declared is only refitted",
+            ));
+        } else if !found.contains(&effect) {
+            found.push(effect);
+        }
+    }
+    Some(found)
+}
+
+fn name_of(root: &Section, path: &Path) -> Option<String> {
+    root.name_or(key("name", "name of the bench").default("that of the file"), || {
+        path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
+    })
+}
+
 fn read_bench(
     root: &Section,
     path: &Path,
@@ -99,11 +185,9 @@ fn read_bench(
     for_row: bool,
     others: &mut Vec<InputError>,
 ) -> Option<Bench> {
-    let name = root.name_or(key("name", "name of the bench").default("that of the file"), || {
-        path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
-    });
+    let name = name_of(root, path);
     let catalog = read_catalog(root, source, catalog, others);
-    let kind = root.choice(key("kind", "what the logs record; may be in each log"), BenchKind::NAMES);
+    let kind = root.choice(KIND, BenchKind::NAMES);
     let linear = kind == Some(BenchKind::Linear);
     let readings = readings::read(root);
     let commutation = readings.motor.commutation.unwrap_or(Commutation::Brushless);
@@ -119,24 +203,29 @@ fn read_bench(
         }
     };
     let actuator_known = actuator.is_some();
-    let (declared, frame) = actuator.unzip();
+    let (mut declared, frame) = actuator.unzip();
+    let known_effects = declared.as_ref().map_or_else(Vec::new, |d: &Declared| d.all_effects());
+    let without = read_without(root, &known_effects);
+    if let (Some(declared), Some(without)) = (&mut declared, without) {
+        declared.without = without;
+    }
     let frame = frame.unwrap_or(Frame::unknown(linear));
     let (load, controller) = (read_load(root, &frame), read_controller(root));
-    let (columns, complete) = root
-        .section(key("columns", "what the columns of the logs are; may be in each log"))
-        .map_or((Vec::new(), true), |section| columns::read(section, &frame));
+    let (columns, complete) =
+        root.section(COLUMNS).map_or((Vec::new(), true), |section| columns::read(section, &frame));
     let known = actuator_known && complete;
     let common = Common { kind, load: load.unwrap_or_default(), controller, columns, frame: &frame };
-    let sections = root.sections(key("log", "the logs, at least one for `identify`"));
+    let sections = root.sections(LOGS);
     let enough = for_row && (readings.terminals.is_some() || readings.rotor.is_some());
     if sections.is_empty() && !root.has("log") && !enough {
         root.missing("log", "a table [[log]] with file = \"run1.csv\" for each log");
     }
     let count = sections.len();
     let plans: Vec<Plan> = sections.into_iter().filter_map(|section| read_plan(section, &common, known)).collect();
+    check_laws(root, &plans);
     let complete = plans.len() == count && (count > 0 || enough);
     let mut files = vec![source.file()];
-    let logs = read_logs(root, plans, &frame, &mut files, others)?;
+    let logs = read_logs(root, plans, &mut files, others)?.into_iter().map(|(_, log)| log).collect();
     if !complete || !others.is_empty() {
         return None;
     }
@@ -163,6 +252,11 @@ fn read_catalog(
     catalog.map_err(|errors| others.extend(errors)).ok()
 }
 
+const WITHOUT: Key =
+    key("without", "effects that are not asked for, where one knows better").value("list of names").default("none");
+const KIND: Key = key("kind", "what the logs record; may be in each log");
+const LOGS: Key = key("log", "the logs, at least one for `identify`");
+const COLUMNS: Key = key("columns", "what the columns of the logs are; may be in each log");
 const LOAD: Key = key("load", "what hangs at the output").value("table");
 const PENDULUM: Key = key("pendulum", "a pendulum at the output, in place of `load`").value("table");
 const CATALOG: Key = key("catalog", "where the motor is looked for, next to this file")
@@ -200,7 +294,11 @@ pub fn describe() -> Description {
     let source = Arc::new(Source::new("skeleton.toml", ""));
     let read =
         |root: &Section| read_bench(root, Path::new("skeleton.toml"), &source, catalog(), false, &mut Vec::new());
-    Form::describe(SKELETON, read).and(Form::describe("actuator = { mass = '1 kg' }", read))
+    let read_robot =
+        |root: &Section| robot::read(root, Path::new("skeleton.toml"), &source, catalog(), &mut Vec::new());
+    Form::describe(SKELETON, read)
+        .and(Form::describe("actuator = { mass = '1 kg' }", read))
+        .and(Form::describe(robot::SKELETON, read_robot))
 }
 
 /// What hangs at the output: `load`, or `pendulum`.
@@ -256,98 +354,102 @@ fn read_load(section: &Section, frame: &Frame) -> Option<KnownLoad> {
 }
 
 fn read_controller(section: &Section) -> Option<Controller> {
-    let table = section.section(key("controller", "of kind `servo`: what makes duty of the goal"))?;
+    let table = section.section(key("controller", "of kind `servo`: what makes duty, or torque, of the goal"))?;
     // The gain is often called kp.
     let gain = if table.has(key("kp", "another name of `gain`").value("number")) { "kp" } else { "gain" };
     if !table.has(gain) {
-        table.missing("gain", "0.29  # duty per rad");
+        table.missing("gain", "0.29  # duty per rad, or \"20 N*m/rad\"");
     }
-    let number = |asked: Key, kind| {
-        if table.is_text(asked.name()) {
-            table.quantity(asked, kind, Range::Any)
-        } else {
-            table.number(asked, Range::Any)
-        }
+    // Its unit says what it makes.
+    let in_torque = table.is_text(gain)
+        && table.text(gain).is_some_and(|text| units::quantity(text.get_ref(), &units::STIFFNESS).is_ok());
+    let law = if in_torque { Law::Torque } else { Law::Duty };
+    let number = |asked: Key, of_duty, of_torque| match (in_torque, table.is_text(asked.name())) {
+        (true, _) => table.quantity(asked, of_torque, Range::Any),
+        (false, true) => table.quantity(asked, of_duty, Range::Any),
+        (false, false) => table.number(asked, Range::Any),
     };
-    let controller = Controller {
-        gain: number(key(gain, "duty per angle, or per rad").required(), &units::PER_ANGLE).unwrap_or(f64::NAN),
-        supply: table.quantity(key("supply", "where the log does not have it"), &units::VOLTAGE, Range::Positive),
-        damping: number(key("damping", "duty per speed, or per rad/s").default("none"), &units::PER_SPEED)
-            .unwrap_or(0.0),
-        limit: table.number(key("limit", "largest duty").default("1"), Range::Positive).unwrap_or(1.0),
+    let about = "duty per angle, or per rad; or torque per angle, as `\"20 N*m/rad\"`";
+    let gain = number(key(gain, about).required(), &units::PER_ANGLE, &units::STIFFNESS);
+    let supply = table.quantity(key("supply", "where the log does not have it"), &units::VOLTAGE, Range::Positive);
+    let damping = number(
+        key("damping", "duty, or torque, per speed").default("none"),
+        &units::PER_SPEED,
+        &units::VISCOUS_FRICTION,
+    );
+    let about = key("limit", "largest duty, or torque").default("1; of torque none");
+    let limit = match in_torque {
+        true => table.quantity(about, &units::TORQUE, Range::Positive).unwrap_or(f64::INFINITY),
+        false => table.number(about, Range::Positive).unwrap_or(1.0),
     };
     table.finish();
-    controller.gain.is_finite().then_some(controller)
+    Some(Controller { law, gain: gain?, damping: damping.unwrap_or(0.0), limit, supply })
 }
 
 fn read_plan(section: Section, common: &Common, known: bool) -> Option<Plan> {
-    let file = section.required_text(
-        key("file", "next to this file: CSV, `.parquet`, `.npz` or `.mcap`").value("file"),
-        "\"run1.csv\"",
-    );
-    let usage = if section.has(USE) { section.choice(USE, USES) } else { Some(Use::Fit) };
-    let kind = if section.has(OWN_KIND) { section.choice(OWN_KIND, BenchKind::NAMES) } else { common.kind };
-    if kind.is_none() && !section.has("kind") && common.kind.is_none() {
-        section.missing("kind", "\"dynamometer\", here or at the top of the file");
-    }
+    let recording = read_recording(&section);
+    let kind = read_kind(&section, common.kind);
     let load = read_load(&section, common.frame);
     let controller = read_controller(&section);
     let (own, complete) = section
         .section(key("columns", "of this log, over the common ones"))
         .map_or((Vec::new(), true), |table| columns::read(table, common.frame));
     let columns = columns::merge(&common.columns, own);
-    let select = read_select(&section);
-    let exclude = read_exclude(&section);
     let rotor = if section.has(ROTOR) { section.choice(ROTOR, ROTORS) } else { Some(true) };
     let columns = columns
         .into_iter()
         .map(|c| if kind == Some(BenchKind::ThermalStep) { c.heating(common.frame) } else { c })
         .collect::<Vec<_>>();
-    let span = section.span();
     if let Some(kind) = kind {
         check_kind(&section, kind, common.frame, known);
         let controlled = controller.or(common.controller).is_some();
         let has = |target: Target| columns.iter().any(|c| c.target == target);
-        if let Some(problem) = lacking(kind, controlled, common.frame, &span, &has).filter(|_| known && complete) {
+        let problem = lacking(kind, controlled, common.frame, &section.span(), &has);
+        if let Some(problem) = problem.filter(|_| known && complete) {
             section.note(problem);
         }
     }
-    let mut plan = None;
-    if let (Some(file), Some(usage), Some(kind), Some(select), Some(exclude), Some(rotor)) =
-        (file, usage, kind, select, exclude, rotor)
-    {
-        let path = section.source().folder().join(file.get_ref());
-        match table::probe(&path) {
-            Ok(()) => {
-                let load = load.unwrap_or(common.load);
-                let controller = controller.or(common.controller);
-                let file_span = file.span();
-                let file = file.into_inner();
-                plan = Some(Plan {
-                    file,
-                    path,
-                    file_span,
-                    span,
-                    usage,
-                    kind,
-                    load,
-                    controller,
-                    rotor,
-                    select,
-                    exclude,
-                    columns,
-                });
-            }
-            Err((message, help)) => {
-                let mut problem =
-                    Problem::at(file.span(), format!("log `{}`: {message}", file.get_ref()), "named here");
-                problem.help = help;
-                section.note(problem);
-            }
-        }
-    }
     section.finish();
-    plan
+    Some(Plan {
+        recording: recording?,
+        kind: kind?,
+        joint: 0,
+        frame: *common.frame,
+        load: load.unwrap_or(common.load),
+        controller: controller.or(common.controller),
+        rotor: rotor?,
+        columns,
+    })
+}
+
+/// What kind of test a log is of: its own, or that of all.
+fn read_kind(section: &Section, common: Option<BenchKind>) -> Option<BenchKind> {
+    let kind = if section.has(OWN_KIND) { section.choice(OWN_KIND, BenchKind::NAMES) } else { common };
+    if kind.is_none() && !section.has("kind") && common.is_none() {
+        section.missing("kind", "\"dynamometer\", here or at the top of the file");
+    }
+    kind
+}
+
+/// The file of a log, and which of its rows; `None` where something of it is wrong, which is noted.
+fn read_recording(section: &Section) -> Option<Recording> {
+    let file = section.required_text(
+        key("file", "next to this file: CSV, `.parquet`, `.npz` or `.mcap`").value("file"),
+        "\"run1.csv\"",
+    );
+    let usage = if section.has(USE) { section.choice(USE, USES) } else { Some(Use::Fit) };
+    let select = read_select(section);
+    let exclude = read_exclude(section);
+    let file = file?;
+    let path = section.source().folder().join(file.get_ref());
+    if let Err((message, help)) = table::probe(&path) {
+        let problem = Problem::at(file.span(), format!("log `{}`: {message}", file.get_ref()), "named here");
+        section.note(Problem { help, ..problem });
+        return None;
+    }
+    let file_span = file.span();
+    let file = file.into_inner();
+    Some(Recording { file, path, file_span, span: section.span(), usage: usage?, select: select?, exclude: exclude? })
 }
 
 /// Whether the kind suits the actuator, and has a log at all.
@@ -504,13 +606,13 @@ fn lacking(
 fn read_logs(
     root: &Section,
     plans: Vec<Plan>,
-    frame: &Frame,
     files: &mut Vec<InputFile>,
     others: &mut Vec<InputError>,
-) -> Option<Vec<Log>> {
+) -> Option<Vec<(usize, Log)>> {
     let mut once: Vec<(PathBuf, Vec<usize>)> = Vec::new();
     for (index, plan) in plans.iter().enumerate() {
-        let canonical = plan.path.canonicalize().unwrap_or_else(|_| plan.path.clone());
+        let path = &plan.recording.path;
+        let canonical = path.canonicalize().unwrap_or_else(|_| path.clone());
         match once.iter_mut().find(|(path, _)| *path == canonical) {
             Some((_, indices)) => indices.push(index),
             None => once.push((canonical, vec![index])),
@@ -518,25 +620,24 @@ fn read_logs(
     }
     let mut rows: BTreeMap<usize, (String, Rows)> = BTreeMap::new();
     for (_, indices) in once {
-        let wanted: Vec<Wanted> = indices
-            .iter()
-            .map(|i| Wanted {
-                select: plans[*i].select.clone(),
-                columns: plans[*i].columns.clone(),
-                span: plans[*i].file_span.clone(),
-                held_out: plans[*i].usage == Use::HeldOut,
-            })
-            .collect();
-        match table::read(&plans[indices[0]].path, &wanted, &mut |problem| root.note(problem)) {
+        let of = |i: &usize| Wanted {
+            select: plans[*i].recording.select.clone(),
+            columns: plans[*i].columns.clone(),
+            span: plans[*i].recording.file_span.clone(),
+            held_out: plans[*i].recording.usage == Use::HeldOut,
+        };
+        let wanted: Vec<Wanted> = indices.iter().map(of).collect();
+        let path = &plans[indices[0]].recording.path;
+        match table::read(path, &wanted, &mut |problem| root.note(problem)) {
             Ok(Some((hash, found))) => {
-                files.push(InputFile { name: plans[indices[0]].path.display().to_string(), sha256: hash.clone() });
+                files.push(InputFile { name: path.display().to_string(), sha256: hash.clone() });
                 rows.extend(indices.iter().zip(found).map(|(i, found)| (*i, (hash.clone(), found))));
             }
             Ok(None) => {}
             Err(error) => others.push(error),
         }
     }
-    let mut logs: Vec<Log> = Vec::new();
+    let mut logs: Vec<(usize, Log)> = Vec::new();
     let mut complete = true;
     for (index, plan) in plans.into_iter().enumerate() {
         let Some((hash, rows)) = rows.remove(&index) else {
@@ -552,16 +653,18 @@ fn read_logs(
         };
         let emptied = log.channels.len() + usize::from(plan.columns.iter().any(|c| c.target == Target::Time))
             < plan.columns.len();
-        if emptied && let Some(problem) = lacking(plan.kind, plan.controller.is_some(), frame, &plan.span, &has) {
+        let problem = || lacking(plan.kind, plan.controller.is_some(), &plan.frame, &plan.recording.span, &has);
+        if emptied && let Some(problem) = problem() {
             let what: Vec<String> = empty.iter().map(Remark::to_string).collect();
             root.note(Problem { help: Some(what.join("; ")), ..problem });
             complete = false;
         }
-        if logs.iter().any(|l| l.name == log.name) {
-            let twice = logs.iter().filter(|l| l.name == log.name || l.name.starts_with(&format!("{} (", log.name)));
-            log.name = format!("{} ({})", log.name, twice.count() + 1);
+        let own = || logs.iter().filter(|(joint, _)| *joint == plan.joint).map(|(_, log)| &log.name);
+        if own().any(|name| *name == log.name) {
+            let twice = own().filter(|name| **name == log.name || name.starts_with(&format!("{} (", log.name))).count();
+            log.name = format!("{} ({})", log.name, twice + 1);
         }
-        logs.push(log);
+        logs.push((plan.joint, log));
     }
     complete.then_some(logs)
 }
@@ -575,10 +678,10 @@ fn assemble(plan: &Plan, hash: String, rows: Rows) -> Log {
     };
     Log {
         name: plan.name(),
-        file: plan.file.clone(),
+        file: plan.recording.file.clone(),
         hash,
         kind: plan.kind,
-        usage: plan.usage,
+        usage: plan.recording.usage,
         load: plan.load,
         controller: plan.controller,
         rotor: plan.rotor,
@@ -587,7 +690,8 @@ fn assemble(plan: &Plan, hash: String, rows: Rows) -> Log {
         held: plan.held(),
         from_motor: plan.columns.iter().filter_map(from_motor).collect(),
         estimated: plan.estimated(),
-        excluded: plan.exclude.clone(),
+        excluded: plan.recording.exclude.clone(),
+        band: None,
         fresh: BTreeMap::new(),
         time: rows.time,
         channels: rows.channels,
@@ -631,11 +735,11 @@ impl Plan {
 
     /// The file and what is selected of it, short.
     fn name(&self) -> String {
-        let conditions: Vec<String> = self.select.iter().filter_map(Condition::label).collect();
+        let conditions: Vec<String> = self.recording.select.iter().filter_map(Condition::label).collect();
         if conditions.is_empty() {
-            return self.file.clone();
+            return self.recording.file.clone();
         }
-        format!("{}, {}", self.file, conditions.join(", "))
+        format!("{}, {}", self.recording.file, conditions.join(", "))
     }
 }
 

@@ -163,6 +163,36 @@ pub fn per_mass(mechanism: &Mechanism, moving: &[Moving], place: Place) -> Vec<(
     on_the_way.into_iter().filter_map(|(b, t)| Some((numbers.binary_search(&b).ok()?, t))).collect()
 }
 
+/// What a kilogram at the origin of a body asks of the joints that carry it \[N·m/kg\], and what a first moment along each of its
+/// axes does \[N·m/(kg·m)\], each joint by its number: torques are linear in both. The inertia about the origin is left out.
+pub fn first_moments(mechanism: &Mechanism, moving: &[Moving], body: usize) -> Vec<(usize, [f64; 4])> {
+    let here = &moving[body];
+    let origin = here.pose.translation.vector;
+    // Force, and moment about the body's origin, of each of the four.
+    let mut asked = [(here.acceleration, Vector3::zeros()); 4];
+    for (axis, asked) in asked.iter_mut().skip(1).enumerate() {
+        let e = here.pose.rotation * Vector3::ith(axis, 1.0);
+        let force = here.spinning_up.cross(&e) + here.turning.cross(&here.turning.cross(&e));
+        *asked = (force, e.cross(&here.acceleration));
+    }
+    let mut on_the_way = Vec::new();
+    let mut at = Some(body);
+    while let Some(b) = at {
+        if let Some(joint) = &mechanism.bodies[b].joint {
+            let arm = origin - moving[b].pose.translation.vector;
+            let torque = |(force, moment): (Vector3<f64>, Vector3<f64>)| {
+                let whole = if joint.motion == Motion::Turns { moment + arm.cross(&force) } else { force };
+                moving[b].axis.dot(&whole)
+            };
+            on_the_way.push((b, asked.map(torque)));
+        }
+        at = mechanism.bodies[b].parent;
+    }
+    let numbers = mechanism.moving();
+    on_the_way.reverse();
+    on_the_way.into_iter().filter_map(|(b, t)| Some((numbers.binary_search(&b).ok()?, t))).collect()
+}
+
 /// Kinetic and potential energy of the bodies \[J\].
 pub fn energy(mechanism: &Mechanism, position: &[f64], velocity: &[f64]) -> (f64, f64) {
     let zero = vec![0.0; position.len()];

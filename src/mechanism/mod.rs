@@ -11,6 +11,7 @@
 //! are first releases, `k` 0.32 has kinematics alone, and `urdf-rs` 0.10 does not say where in the file a
 //! mistake is. The pass is forty lines.
 
+pub(crate) mod described;
 pub mod dynamics;
 mod geom;
 mod mjcf;

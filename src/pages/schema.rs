@@ -5,8 +5,8 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde_json::{Value, json};
 
 use crate::report::json::{
-    Envelope, catalog, characterize, check, check_model, explain, export, identify, import, motors, optimize, over,
-    pareto, robust, rule, sweep, torques,
+    Envelope, catalog, characterize, check, check_model, explain, export, identify, identify_robot, import, motors,
+    optimize, over, pareto, robust, rule, sweep, torques,
 };
 use crate::study::Summary;
 
@@ -36,6 +36,7 @@ const COMMANDS: &[(&str, Shape)] = &[
     ("export", shape::<export::Answer>),
     ("rule", shape::<rule::Answer>),
     ("identify", shape::<identify::Answer>),
+    ("identify", shape::<identify_robot::Answer>),
     ("characterize", shape::<characterize::Answer>),
     ("study", shape::<Summary>),
 ];

@@ -4,11 +4,12 @@
 //! the model that the logs support, and ends in a sentence.
 
 mod findings;
+pub mod robot;
 mod sentence;
 mod story;
 
 pub(super) use findings::{lines as finding_lines, words as finding_words};
-pub use sentence::sentence;
+pub use sentence::{sentence, short};
 pub use story::story as six_lines;
 
 use super::number;
@@ -149,20 +150,24 @@ pub fn text(bench: &Bench, reports: &[Report], written: &[String]) -> String {
 }
 
 fn heading(bench: &Bench) -> String {
-    let count = |usage: Use| bench.logs.iter().filter(|l| l.usage == usage).count();
     let what = match &bench.declared.motor {
         Some(motor) if bench.declared.ratio == 1.0 => format!("{}, direct drive", motor.id),
         Some(motor) => format!("{} at N = {}", motor.id, number(bench.declared.ratio)),
         None => format!("linear axis of {} kg", bench.declared.mass.map_or_else(|| "–".into(), number)),
     };
-    let heading =
-        format!("{}: {what}; {} to fit, {} held out", bench.name, logs(count(Use::Fit)), logs(count(Use::HeldOut)));
+    heading_of_logs(&format!("{}: {what}", bench.name), &bench.logs)
+}
+
+/// What was tested, with its logs.
+fn heading_of_logs(what: &str, all: &[Log]) -> String {
+    let count = |usage: Use| all.iter().filter(|l| l.usage == usage).count();
+    let heading = format!("{what}; {} to fit, {} held out", logs(count(Use::Fit)), logs(count(Use::HeldOut)));
     let mut out = paragraph(&heading, 0, 2);
     let row = |log: &Log| vec![log.name.clone(), log.kind.name().into(), used(log).into(), log.len().to_string()];
     let columns =
         vec![Column::name("log"), Column::name("kind"), Column::name("use"), Column::number("rows", "").dropped(1)];
-    out.push_str(&Table::new(columns).indented(2).rows(bench.logs.iter().map(row)).text());
-    for log in &bench.logs {
+    out.push_str(&Table::new(columns).indented(2).rows(all.iter().map(row)).text());
+    for log in all {
         for remark in &log.remarks {
             out.push_str(&paragraph(&format!("{}: {remark}", log.name), 2, 4));
         }
@@ -191,6 +196,7 @@ fn channel_name(channel: Channel) -> &'static str {
         Channel::WindingTemperature => "winding temperature",
         Channel::HousingTemperature => "housing temperature",
         Channel::Command => "command",
+        Channel::LoadTorque => "torque of the load",
     }
 }
 
@@ -448,6 +454,27 @@ pub(super) fn effect_text(bench: &Bench, report: &Report, effect: &Found, width:
 /// One row for each stage, artefact, parameter, effect, refusal and dependence that is left, and the verdicts; the last one is
 /// that over all equations.
 pub fn csv(bench: &Bench, reports: &[Report]) -> String {
+    super::csv_text(&CSV, csv_rows(bench, reports))
+}
+
+/// The columns of [`csv`].
+const CSV: [&str; 13] = [
+    "equation",
+    "part",
+    "name",
+    "declared",
+    "value",
+    "plus_minus_95",
+    "standard_error",
+    "fit_rmse",
+    "held_out_rmse",
+    "fit_vaf_percent",
+    "held_out_vaf_percent",
+    "unit",
+    "detail",
+];
+
+fn csv_rows(bench: &Bench, reports: &[Report]) -> Vec<Vec<String>> {
     let number = super::csv_number;
     let mut rows: Vec<Vec<String>> = Vec::new();
     for report in reports {
@@ -514,22 +541,5 @@ pub fn csv(bench: &Bench, reports: &[Report]) -> String {
     over_all[..3].clone_from_slice(&["all".into(), "verdict".into(), overall(reports).word().into()]);
     over_all[12] = sentence(bench, reports);
     rows.push(over_all);
-    super::csv_text(
-        &[
-            "equation",
-            "part",
-            "name",
-            "declared",
-            "value",
-            "plus_minus_95",
-            "standard_error",
-            "fit_rmse",
-            "held_out_rmse",
-            "fit_vaf_percent",
-            "held_out_vaf_percent",
-            "unit",
-            "detail",
-        ],
-        rows,
-    )
+    rows
 }

@@ -11,9 +11,10 @@ use super::motions::{MotionReader, REPEAT_EVERY, Scale, repeat_every};
 use super::robot::Joint;
 use super::transmission::passed_on;
 use crate::input::{InputError, Key, Problem, Range, Section, Source, key};
+use crate::mechanism::described::{self, Described};
 use crate::mechanism::torques::{self, Carried, Torques};
 use crate::mechanism::trajectory::{self, Trajectory};
-use crate::mechanism::{Mechanism, Payload, Place};
+use crate::mechanism::{Mechanism, Place};
 use crate::motion::Motion;
 use crate::units;
 
@@ -84,7 +85,7 @@ pub(super) fn read(root: &Section, motions: &mut MotionReader) -> Model {
 }
 
 fn read_section(section: &Section, motions: &mut MotionReader) -> Option<Known> {
-    let model = section.required_text(key("model", "URDF or MJCF").value("file"), "\"robots/arm.urdf\"");
+    let model = described::model(section);
     let path = section
         .required_text(key("trajectory", "CSV, a column for each joint").value("file"), "\"robots/arm_pick.csv\"");
     let periodic = section.boolean(key("periodic", "whether the trajectory repeats").default("true")).unwrap_or(true);
@@ -101,49 +102,17 @@ fn read_section(section: &Section, motions: &mut MotionReader) -> Option<Known> 
         )
         .unwrap_or(true);
     let actuators = read_separate(section);
-    let gravity =
-        section.vector(key("gravity", "in the world").default("that of the model"), &units::LINEAR_ACCELERATION);
-    let mut complete = true;
-    let mut payloads = Vec::new();
-    let tables = if section.is_list("payload") {
-        section.sections(PAYLOAD)
-    } else {
-        section.section(PAYLOAD).into_iter().collect()
-    };
-    for table in tables {
-        let link = table.required_text(key("link", "the link that carries it"), "\"tool0\"");
-        let mass = table.required_quantity(key("mass", "of the payload"), &units::MASS, Range::Positive);
-        let at = table.vector(key("at", "where on the link").default("its origin"), &units::LENGTH).unwrap_or([0.0; 3]);
-        table.finish();
-        match (link, mass) {
-            (Some(link), Some(mass)) => payloads.push((link.span(), Payload { link: link.into_inner(), mass, at })),
-            _ => complete = false,
-        }
-    }
-    let (model, path) = (model?, path?);
-    let mut mechanism = open(section, &model, "model", motions, Mechanism::read_source)?;
-    if let Some(gravity) = gravity {
-        mechanism.gravity = Vector3::from(gravity);
-    }
-    for (span, payload) in payloads {
-        if !mechanism.carry(&payload) {
-            let message = format!("there is no link `{}` in `{}`", payload.link, model.get_ref());
-            section.note(Problem::at(span, message, "named here").suggest(&payload.link, mechanism.frames()));
-            complete = false;
-        }
-    }
+    let mut errors = Vec::new();
+    let described = described::read(section, model, &mut |path| motions.open(path), &mut errors);
+    motions.errors.append(&mut errors);
+    let (Described { model, mechanism, .. }, path) = (described?, path?);
     let trajectory =
         open(section, &path, "trajectory", motions, |source| trajectory::read(source, &mechanism, periodic, period))?;
-    if !complete {
-        return None;
-    }
     let torques = torques::torques(&mechanism, &trajectory, friction);
     let separate = actuators?;
     let repeat_every = repeat_every(section, every, trajectory.course);
-    Some(Known { model: model.into_inner(), mechanism, trajectory, torques, separate, repeat_every })
+    Some(Known { model, mechanism, trajectory, torques, separate, repeat_every })
 }
-
-const PAYLOAD: Key = key("payload", "masses that a link carries").value("table or list of tables");
 
 const ACTUATOR_AT: Key = key("actuator_at", "with `mechanism_joint`: where the actuator sits").default("at the joint");
 

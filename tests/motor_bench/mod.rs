@@ -26,6 +26,7 @@ pub fn log(kind: BenchKind, time: Vec<f64>, channels: Vec<(Channel, Vec<f64>)>) 
         gains: BTreeMap::new(),
         held: std::collections::BTreeSet::new(),
         from_motor: std::collections::BTreeSet::new(),
+        band: None,
         estimated: std::collections::BTreeSet::new(),
         excluded: Vec::new(),
         fresh: BTreeMap::new(),

@@ -8,6 +8,7 @@
 //! made smaller instead.
 #![allow(dead_code, unused_imports, reason = "each test file uses its part")]
 
+pub mod arm;
 pub mod driven;
 mod kind;
 mod played;

@@ -155,6 +155,8 @@ pub struct Evidence {
     pub owned: bool,
     /// Whether what is explained does not follow the model at all: see [`Evidence::does_not_follow`].
     pub unrelated: bool,
+    /// How many effects were not asked for because the bench file says so.
+    pub left_out: usize,
     /// Whether what is explained does no more than the instrument's own noise.
     pub still: bool,
 }
@@ -221,7 +223,11 @@ pub fn verdict(evidence: &Evidence) -> Verdict {
         _ if evidence.better.is_some() => Verdict::NotResolved,
         (0, 1..) => Verdict::Explained,
         _ if !bounded || evidence.owned => Verdict::NotResolved,
-        _ if evidence.is_noise() && !evidence.worse_by_refitting && evidence.noise.line.is_none() => {
+        _ if evidence.left_out == 0
+            && evidence.is_noise()
+            && !evidence.worse_by_refitting
+            && evidence.noise.line.is_none() =>
+        {
             Verdict::NothingMissing
         }
         _ => Verdict::NoneOfThese,

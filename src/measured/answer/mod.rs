@@ -165,6 +165,8 @@ pub enum Hidden {
     Bench(&'static str),
     /// Its regressor is made of the response that it would explain; what measurement would show it.
     Response(&'static str),
+    /// The bench file says that it is not asked for.
+    LeftOut,
 }
 
 /// A point of the story.
@@ -324,6 +326,8 @@ pub enum Ground {
     Bench,
     /// Its regressor is made of the response; this measurement would show it.
     Response(&'static str),
+    /// The bench file says that it is not asked for.
+    LeftOut,
 }
 
 impl Refused {
@@ -345,6 +349,7 @@ impl Refused {
                 ),
                 Ground::Response(shown_by),
             ),
+            Hidden::LeftOut => ("not asked for: `without` of the bench file names it".to_string(), Ground::LeftOut),
         };
         Refused { name: name.into(), reason, ground }
     }

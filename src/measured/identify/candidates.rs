@@ -12,7 +12,7 @@ use super::regression::{Blocks, covariance, projection, solve};
 use super::scores::{Scores, informed};
 use super::travel;
 use super::work::{Fit, Kind, Term, Work};
-use crate::effects::{EFFECTS, Effect, Shape};
+use crate::effects::{EFFECTS, Effect, Shape, Variable};
 use crate::measured::answer::evidence::{Asked, Gain};
 use crate::measured::answer::{Base, Ground, INTERVAL, Refused};
 use crate::measured::select::CHANCE;
@@ -40,7 +40,11 @@ const BESIDE_DRIFT: f64 = 0.4;
 
 /// Whether an effect in the model is defined beyond this one, which therefore stays.
 fn carries_another(work: &Work, effect: &dyn Effect) -> bool {
-    work.terms.iter().filter_map(Term::effect).any(|(e, _)| e.beyond().is_some_and(|first| first == effect))
+    let mut others = work.terms.iter().filter_map(Term::effect);
+    // What is lost of the transmitted torque is nothing without the weight that is transmitted.
+    others.any(|(e, _)| {
+        e.beyond().is_some_and(|first| first == effect) || effect.is_weight() && e.needs().contains(&Variable::Torque)
+    })
 }
 
 /// A candidate at its best shape.
@@ -389,6 +393,20 @@ impl Selection {
     /// Another balance: what was remembered has other rows.
     pub fn forget(&mut self) {
         (self.best, self.least) = (None, None);
+    }
+
+    /// What the balance shows now and did not before may be asked for.
+    pub fn open_what_is_visible(&mut self, work: &Work) {
+        for effect in EFFECTS.iter().filter(|e| visible(**e, &work.balance, &work.bench.declared).is_ok()) {
+            let is_in = |t: &Term| is(t, *effect) && effect.shape() != Shape::Order;
+            if !self.open.contains(effect)
+                && !work.terms.iter().any(is_in)
+                && !work.fixed.iter().any(|f| f.effect == *effect)
+            {
+                self.open.push(*effect);
+                self.refused.retain(|r| r.name != effect.name());
+            }
+        }
     }
 
     /// Effects that explain a term's part about as well: not significantly worse, and plausible.

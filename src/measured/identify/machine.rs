@@ -1,7 +1,7 @@
 //! Whether the channels of a log are of one machine: position against velocity, one side of the gear against the other.
 
 use crate::measured::answer::findings::About;
-use crate::measured::bench::{BenchKind, Channel, Log};
+use crate::measured::bench::{BenchKind, Channel, Law, Log};
 use crate::measured::signals::{self, LowPass};
 
 /// Scales that differ by less are not told: estimates and coarse encoders are off by some per cent.
@@ -133,8 +133,10 @@ fn compare(
 /// Whether the logged duty cycle is the declared controller's, but for a factor.
 pub fn controller(log: &Log, ratio: f64, linear: bool) -> Option<About> {
     // With a current its torque is known, and nothing asks the controller.
-    let (controller, duty) =
-        (log.controller.filter(|_| log.channel(Channel::Current).is_none())?, log.channel(Channel::Duty)?);
+    let (controller, duty) = (
+        log.controller.filter(|c| c.law == Law::Duty && log.channel(Channel::Current).is_none())?,
+        log.channel(Channel::Duty)?,
+    );
     let opened = |c: Channel| log.channel(c).map(|v| if linear { v.to_vec() } else { signals::unwrapped(v) });
     let goal = opened(Channel::Goal)?;
     let position = opened(Channel::OutputPosition)
@@ -286,7 +288,8 @@ mod tests {
                 "duty = { name = \"3\", unit = \"1\" }",
             ];
             let mut bench = bench_of("servo", 9.0, &columns, &[(0..2000).map(row).collect()], 0);
-            bench.logs[0].controller = Some(Controller { gain: 2.0, damping: 0.0, limit: 0.9, supply: Some(12.0) });
+            bench.logs[0].controller =
+                Some(Controller { law: Law::Duty, gain: 2.0, damping: 0.0, limit: 0.9, supply: Some(12.0) });
             controller(&bench.logs[0], 9.0, false)
         };
         assert_eq!(said(&|asked, _| asked), None);

@@ -76,7 +76,20 @@ pub fn identify(bench: &Bench, options: &Options) -> Result<Vec<Report>, String>
 /// In words, where the logs say nothing that can be compared.
 pub fn identified(bench: &Bench, options: &Options) -> Result<Vec<Identified>, String> {
     let (prepared, findings) = prepare::prepare(bench);
-    let bench = &prepared;
+    of_prepared(&prepared, &findings, options)
+}
+
+/// What is left of the declared model, and nothing else; `None` where the equation has no rows.
+pub(crate) fn as_declared(bench: &Bench, target: Target, options: &Options) -> Option<Stage> {
+    let report = report::as_declared(bench, target, options, &[])?;
+    report.stages.into_iter().next()
+}
+
+/// The same of a bench of which what is no data was taken out, with what was found then.
+///
+/// # Errors
+/// As of [`identified`].
+pub(crate) fn of_prepared(bench: &Bench, findings: &[Finding], options: &Options) -> Result<Vec<Identified>, String> {
     let contradicted = findings.iter().any(|f| f.about.contradicts());
     let targets = targets(bench);
     let simulated = simulate::serves(bench);
@@ -91,13 +104,13 @@ pub fn identified(bench: &Bench, options: &Options) -> Result<Vec<Identified>, S
         return Err(why.into());
     }
     if contradicted {
-        let told = |target| report::as_declared(bench, target, options, &findings);
+        let told = |target| report::as_declared(bench, target, options, findings);
         let mut reports: Vec<Report> = targets.into_iter().filter_map(told).collect();
         if reports.is_empty() {
             reports.push(report::contradicted(
                 Target::Position,
                 if bench.declared.motor.is_some() { "rad" } else { "m" },
-                &findings,
+                findings,
             ));
         }
         return Ok(reports.into_iter().map(Identified::without_model).collect());
@@ -219,12 +232,16 @@ fn narrowed(bench: &Bench, target: Target, options: &Options, times: usize) -> O
     // Lags are found again with the effects in: a late channel and friction look alike. What the gear
     // transmits follows from its loss.
     let gear_loss = work.gear_loss();
+    let weight = work.fitted_weight();
     let refined = may_be_late.then(|| artefacts::refine(bench, &work, &corrections, &setting)).flatten();
-    if refined.is_some() || gear_loss > 0.02 {
-        corrections = Corrections { gear_loss, ..refined.unwrap_or(corrections) };
+    if refined.is_some() || gear_loss > 0.02 || weight.is_some() {
+        corrections = Corrections { gear_loss, weight, ..refined.unwrap_or(corrections) };
         let terms = std::mem::take(&mut work.terms);
         work = model(&corrections)?;
         selection.forget();
+        if weight.is_some() {
+            selection.open_what_is_visible(&work);
+        }
         held = work.hold_what_is_not_seen();
         if let Some(ripple) = &ripple {
             work.take_out(ripple);

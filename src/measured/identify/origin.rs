@@ -144,6 +144,7 @@ mod tests {
             Command,
             WindingTemperature,
             HousingTemperature,
+            LoadTorque,
         ];
         for a in all {
             for b in all {

@@ -7,8 +7,8 @@ use super::noise::Unfiltered;
 use super::orders::Ripple;
 use super::regression::{Blocks, Solution, residual, solve};
 use super::robust;
-use crate::effects::{Effect, FittedEffect, of_efficiency};
-use crate::measured::answer::{Base, Hidden, Stage, Step};
+use crate::effects::{Effect, FittedEffect, of_efficiency, of_weight};
+use crate::measured::answer::{Base, Hidden, Stage, Step, Target};
 use crate::measured::{Bench, Use};
 use crate::numerics::sums::finite_sum;
 
@@ -246,6 +246,14 @@ impl<'a> Work<'a> {
     /// The index of the first column of a term.
     pub fn offset(&self, term: usize) -> usize {
         self.terms[..term].iter().map(|t| t.columns.len()).sum()
+    }
+
+    /// Sine and cosine of the weight of a load that was found and that nobody declared \[N·m at the motor\].
+    pub fn fitted_weight(&self) -> Option<[f64; 2]> {
+        let is_weight = |t: &usize| self.terms[*t].effect().is_some_and(|(e, _)| Some(e) == of_weight());
+        let term = (0..self.terms.len()).find(is_weight).filter(|_| self.balance.target == Target::Drive)?;
+        let (solution, at) = (self.fit().solution, self.offset(term));
+        Some([solution.coefficients[at], solution.coefficients[at + 1]])
     }
 
     /// The factor of load-dependent friction that was found; zero where there is none.

@@ -114,6 +114,7 @@ fn read_linear(section: &Section) -> Option<(Declared, Frame)> {
         ),
         fixture_inertia: 0.0,
         effects: Vec::new(),
+        without: Vec::new(),
     };
     mass?;
     Some((declared, Frame { linear: Some(drive), force_gain: gain, ..Frame::unknown(true) }))
@@ -165,6 +166,7 @@ pub(crate) fn without_row(commutation: Commutation) -> (Declared, Frame) {
         coulomb_friction: None,
         fixture_inertia: 0.0,
         effects: Vec::new(),
+        without: Vec::new(),
     };
     (declared, Frame { commutation, current: None, characterize: true, ..Frame::unknown(false) })
 }

@@ -78,13 +78,14 @@ pub(super) fn scale(tracks: &[Track], machine: &Machine) -> Scale {
         match &t.input {
             Input::Current(i) => inputs.extend(i.iter().map(|i| i.abs())),
             Input::Duty(d) => inputs.extend(d.iter().zip(&t.supply).map(|(d, v)| (d * v).abs())),
-            Input::Goal { goal, gain, limit, .. } => {
-                inputs.extend((0..path.len()).map(|k| (gain * (goal[k] - path[k])).abs().min(*limit) * t.supply[k]))
+            Input::Goal { goal, gain, limit, is_duty, .. } => {
+                let per = |k: usize| if *is_duty { t.supply[k] } else { 1.0 };
+                inputs.extend((0..path.len()).map(|k| (gain * (goal[k] - path[k])).abs().min(*limit) * per(k)))
             }
         }
         torques.push(t.load_gravity / n);
     }
-    let is_voltage = tracks.iter().any(|t| !matches!(t.input, Input::Current(_)));
+    let is_voltage = tracks.iter().any(|t| t.input.is_voltage());
     let input = signals::quantile(inputs, 0.995).unwrap_or(0.0);
     let current = if is_voltage { input / machine.resistance } else { input };
     let torque = torques.into_iter().fold(machine.torque_constant * current, f64::max);

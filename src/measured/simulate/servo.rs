@@ -29,7 +29,7 @@ const FEWEST: usize = 60;
 const STEPS: usize = 6;
 
 /// Whether a bench has servo logs that simulation can identify: no current, but a duty cycle, or a goal
-/// through a declared controller, and the supply.
+/// through a declared controller, and the supply; or a controller that asks for a torque.
 pub fn serves(bench: &Bench) -> bool {
     tracks(bench).iter().any(|t| t.fits)
 }
@@ -41,6 +41,11 @@ pub fn lacks_supply(bench: &Bench) -> bool {
         log.channels.insert(Channel::Supply, vec![1.0; log.time.len()]);
     }
     !serves(bench) && serves(&with)
+}
+
+/// Whether voltages drive the machine; where a torque is asked of the drive, currents do.
+fn is_voltage(all: &[Track]) -> bool {
+    all.iter().any(|t| t.input.is_voltage())
 }
 
 fn tracks(bench: &Bench) -> Vec<Track> {
@@ -64,7 +69,7 @@ pub fn identify_servo(bench: &Bench) -> Option<Report> {
     }
     let judges = Judges::new(&all);
     let everything: Vec<&Track> = all.iter().collect();
-    let machine = declared_machine(&bench.declared, true);
+    let machine = declared_machine(&bench.declared, is_voltage(&all));
     let scale = scale(&all, &machine);
     let declared = Model { machine, slots: Vec::new(), scale };
     let mut stages = vec![stage(Step::Declared, &everything, &declared)];
@@ -72,7 +77,7 @@ pub fn identify_servo(bench: &Bench) -> Option<Report> {
     let (model, held) = refit(&declared, &judges, &all, bench);
     stages.push(stage(Step::Refit, &everything, &model));
     let mut refused = Vec::new();
-    let candidates = candidates(&all, &mut refused);
+    let candidates = candidates(&all, &bench.declared.without, &mut refused);
     let mut selection = OnPosition {
         judges: &judges,
         everything: &everything,

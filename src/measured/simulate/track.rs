@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::machine::{Machine, Sample, State};
-use crate::measured::bench::volts_per_duty;
+use crate::measured::bench::{Controller, Law, volts_per_duty};
 use crate::measured::{Channel, Declared, Log, Use, signals};
 
 /// Longest internal step \[s\].
@@ -29,13 +29,26 @@ pub enum Input {
     Goal {
         /// Goal \[rad\].
         goal: Vec<f64>,
-        /// Duty per angle \[1/rad\].
+        /// Duty per angle \[1/rad\], or current \[A/rad\].
         gain: f64,
-        /// Duty per speed \[s/rad\].
+        /// Duty per speed \[s/rad\], or current \[A·s/rad\].
         damping: f64,
-        /// Largest duty.
+        /// Largest duty, or current \[A\].
         limit: f64,
+        /// Whether it is a duty cycle; else a current.
+        is_duty: bool,
     },
+}
+
+impl Input {
+    /// Whether it is a voltage at the terminals; else a current.
+    pub fn is_voltage(&self) -> bool {
+        match self {
+            Input::Current(_) => false,
+            Input::Duty(_) => true,
+            Input::Goal { is_duty, .. } => *is_duty,
+        }
+    }
 }
 
 /// A log ready for simulation.
@@ -159,7 +172,8 @@ impl Track {
     pub fn new(log: &Log, declared: &Declared) -> Option<Track> {
         let linear = declared.motor.is_none();
         let time = log.time.clone();
-        if time.len() < 3 {
+        // The load of a joint of a robot follows from how all of them moved: it is not simulated alone.
+        if time.len() < 3 || log.channel(Channel::LoadTorque).is_some() {
             return None;
         }
         let opened = |c: Channel| log.channel(c).map(|v| if linear { v.to_vec() } else { signals::unwrapped(v) });
@@ -179,12 +193,18 @@ impl Track {
         let mut off = Vec::new();
         let (driven_by, input, supply) = if let Some(current) = get(Channel::Current) {
             (Channel::Current, Input::Current(current), Vec::new())
+        } else if let (Some(c), Some(goal), true) = (log.controller.filter(|c| c.law == Law::Torque), &goal, !linear) {
+            // The drive makes its torque by the declared constant, whatever the true one is.
+            let per_torque = 1.0 / (ratio * declared.motor.as_ref()?.torque_constant);
+            let [gain, damping, limit] = [c.gain, c.damping, c.limit].map(|v| per_torque * v);
+            (Channel::Goal, Input::Goal { goal: goal.clone(), gain, damping, limit, is_duty: false }, Vec::new())
         } else if let (Some(c), Some(goal), Some(supply)) = (log.controller, &goal, &supply) {
             if let Some(duty) = log.channel(Channel::Duty) {
                 let asked = |k: usize| (c.gain * (goal[k] - position[k])).abs() > ASKED;
                 off = is_off(duty, asked);
             }
-            let input = Input::Goal { goal: goal.clone(), gain: c.gain, damping: c.damping, limit: c.limit };
+            let Controller { gain, damping, limit, .. } = c;
+            let input = Input::Goal { goal: goal.clone(), gain, damping, limit, is_duty: true };
             (Channel::Goal, input, supply.clone())
         } else {
             (Channel::Duty, Input::Duty(duty?), supply?)
@@ -256,7 +276,7 @@ impl Track {
         let last = |values: &Vec<f64>, k: usize| values.get(k).copied().unwrap_or(f64::NAN);
         let mut sample = Sample {
             input: 0.0,
-            is_voltage: !matches!(self.input, Input::Current(_)),
+            is_voltage: self.input.is_voltage(),
             is_open: false,
             duty: 0.0,
             load_inertia: self.load_inertia,
@@ -281,7 +301,7 @@ impl Track {
                 let told = |values: &[f64]| if self.held { values[k] } else { between(values) };
                 let now = match &self.input {
                     Input::Current(values) | Input::Duty(values) => told(values),
-                    Input::Goal { goal, gain, damping, limit } => {
+                    Input::Goal { goal, gain, damping, limit, .. } => {
                         let position = state.position + 0.5 * h * state.speed;
                         (gain * (told(goal) - position) - damping * state.speed).clamp(-limit, *limit)
                     }
@@ -316,8 +336,8 @@ impl Track {
             let input = match &self.input {
                 Input::Current(v) => Input::Current(of(v)),
                 Input::Duty(v) => Input::Duty(of(v)),
-                Input::Goal { goal, gain, damping, limit } => {
-                    Input::Goal { goal: of(goal), gain: *gain, damping: *damping, limit: *limit }
+                Input::Goal { goal, gain, damping, limit, is_duty } => {
+                    Input::Goal { goal: of(goal), gain: *gain, damping: *damping, limit: *limit, is_duty: *is_duty }
                 }
             };
             let (time, position) = (of(&self.time), of(&self.position));

@@ -65,7 +65,7 @@ pub fn page(bench: &Bench, reports: &[Report], forward: Option<&ForwardCheck>, r
     }
 }
 
-fn warnings(bench: &Bench, reports: &[Report]) -> Vec<String> {
+pub(super) fn warnings(bench: &Bench, reports: &[Report]) -> Vec<String> {
     let mut all = Vec::new();
     for left in reports.iter().flat_map(|r| &r.unexplained) {
         all.push(format!("left unexplained, depends on {}: {}", left.depends_on.name(), left.detail));
@@ -87,7 +87,7 @@ fn logs(bench: &Bench) -> Table {
     table
 }
 
-fn equation(bench: &Bench, report: &Report) -> Section {
+pub(super) fn equation(bench: &Bench, report: &Report) -> Section {
     let band = report.band.map_or_else(String::new, |b| format!("; band 0 to {} Hz", number(b)));
     let (samples, rows) = report.samples;
     let text = format!("{samples} samples, {rows} rows in the regression{band}.");

@@ -17,6 +17,7 @@ pub mod check;
 pub mod compare;
 pub mod explain;
 pub mod identify;
+pub mod identify_robot;
 pub mod optimize;
 pub mod pareto;
 pub mod rank;

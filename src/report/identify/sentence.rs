@@ -13,8 +13,17 @@ const WILD: std::ops::Range<f64> = 0.2..5.0;
 /// Numbers of which that holds: an inertia has what hangs at the shaft.
 const OF_ROW: [Base; 3] = [Base::TorqueConstant, Base::BackEmf, Base::Resistance];
 
-/// The verdict in a sentence that anyone understands.
+/// The verdict in a sentence that anyone understands, and what the bench does not show.
 pub fn sentence(bench: &Bench, reports: &[Report]) -> String {
+    said(bench, reports, unseen)
+}
+
+/// The verdict in a sentence, without what the bench does not show.
+pub fn short(bench: &Bench, reports: &[Report]) -> String {
+    said(bench, reports, |_| String::new())
+}
+
+fn said(bench: &Bench, reports: &[Report], unseen: impl Fn(&[Report]) -> String) -> String {
     let Some(first) = reports.first() else { return "Nothing can be learnt from these logs.".into() };
     if let Some(channel) = reports.iter().find_map(|r| r.evidence.dead) {
         return format!("Nothing can be learnt: the {} has one value throughout.", channel_name(channel));
@@ -228,5 +237,14 @@ fn unseen(reports: &[Report]) -> String {
             listed(names)
         )
     };
-    ways.iter().map(one).collect()
+    let left_out: Vec<String> = refused(reports)
+        .into_iter()
+        .filter(|(refusal, _)| refusal.ground == Ground::LeftOut)
+        .map(|(refusal, _)| effects::in_words(&refusal.name))
+        .collect();
+    let not_asked = match left_out.as_slice() {
+        [] => String::new(),
+        all => format!(" Not asked for, as the bench file says: {}.", listed(all)),
+    };
+    format!("{}{not_asked}", ways.iter().map(one).collect::<String>())
 }

@@ -384,17 +384,27 @@ pub fn json(
     remade: Option<&[remake::Remade]>,
     plan: Option<Planned>,
 ) -> Value {
-    let (first, further) = reports.split_first().map_or((None, reports), |(first, further)| (Some(first), further));
-    let of_all = |first| {
-        let mut top = Equation::new(bench, first);
-        top.verdict = overall(reports).word();
-        top.effects = reports.iter().flat_map(|r| r.effects.iter().map(|e| Effect::new(bench, r, e))).collect();
-        top.refused = refused(reports).into_iter().map(|(r, target)| Refused::new(r, target)).collect();
-        top.unexplained = reports.iter().flat_map(unexplained).collect();
-        top
-    };
-    document(
-        "identify",
+    document("identify", Answer::new(bench, reports, forward, remade, plan))
+}
+
+impl<'a> Answer<'a> {
+    /// What the logs of a bench say.
+    pub(super) fn new(
+        bench: &'a Bench,
+        reports: &'a [Report],
+        forward: Option<&'a ForwardCheck>,
+        remade: Option<&'a [remake::Remade]>,
+        plan: Option<Planned<'a>>,
+    ) -> Answer<'a> {
+        let (first, further) = reports.split_first().map_or((None, reports), |(first, further)| (Some(first), further));
+        let of_all = |first| {
+            let mut top = Equation::new(bench, first);
+            top.verdict = overall(reports).word();
+            top.effects = reports.iter().flat_map(|r| r.effects.iter().map(|e| Effect::new(bench, r, e))).collect();
+            top.refused = refused(reports).into_iter().map(|(r, target)| Refused::new(r, target)).collect();
+            top.unexplained = reports.iter().flat_map(unexplained).collect();
+            top
+        };
         Answer {
             bench: &bench.name,
             sentence: sentence(bench, reports),
@@ -404,8 +414,8 @@ pub fn json(
             forward: forward.map(Forward::new),
             design: remade.map(Remade::new),
             plan,
-        },
-    )
+        }
+    }
 }
 
 impl<'a> Equation<'a> {

@@ -12,6 +12,7 @@ pub mod design;
 pub mod explain;
 pub mod export;
 pub mod identify;
+pub mod identify_robot;
 pub mod import;
 pub mod joint;
 pub mod motors;

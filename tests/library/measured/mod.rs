@@ -9,6 +9,7 @@ mod identification_numbers;
 mod negative_controls;
 mod planned;
 mod remade_parts;
+mod robot;
 mod scoring;
 mod simulator_selftest;
 mod simulator_unfriendly;

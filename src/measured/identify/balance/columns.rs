@@ -79,6 +79,15 @@ impl Balance {
         self.term(|s| s.points.iter().map(|p| self.factor * f(p)).collect())
     }
 
+    /// The column of a torque at the output that is known over time: of a log (by its place among the bench's) at times from its
+    /// first row \[s\].
+    pub fn of_time(&self, value: impl Fn(usize, &[f64]) -> Vec<f64>) -> Vec<f64> {
+        self.term(|s| {
+            let times: Vec<f64> = (0..s.target.len()).map(|k| s.start + k as f64 * s.step).collect();
+            value(self.logs[s.log], &times)
+        })
+    }
+
     /// A variable of the operating point at each row, as it is or through the filter.
     pub fn variable(&self, filtered: bool, f: impl Fn(&Operating) -> f64) -> Vec<f64> {
         self.gather(filtered, |s| s.points.iter().map(&f).collect())

@@ -25,7 +25,7 @@ pub(super) fn choose_band(
     let fit: Vec<&Stretch> = stretches.iter().filter(|s| s.fits).collect();
     let slowest = fit.iter().map(|s| 1.0 / s.fresh).fold(f64::INFINITY, f64::min);
     let inertia = model.inertia.unwrap_or(0.0) * factor.abs();
-    let mut band = 0.2 * slowest;
+    let mut band = fit.iter().map(|s| s.widest).fold(0.2 * slowest, f64::min);
     if target.equation() == Equation::Torque && inertia > 0.0 {
         for s in &fit {
             let speed: Vec<f64> = s.points.iter().map(|p| p.speed).collect();

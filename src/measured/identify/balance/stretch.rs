@@ -24,12 +24,15 @@ pub struct Corrections {
     /// Load-dependent loss of the gear as far as it is known: what the transmitted torque follows with from
     /// the motor's.
     pub gear_loss: f64,
+    /// Sine and cosine over the angle of the output \[N·m at the motor\] of a weight that was fitted, where none is known: it is
+    /// what the gear transmits.
+    pub weight: Option<[f64; 2]>,
 }
 
 impl Corrections {
     /// None.
     pub fn none(logs: usize) -> Corrections {
-        Corrections { target_lag: 0.0, motion_lag: 0.0, gains: vec![1.0; logs], gear_loss: 0.0 }
+        Corrections { target_lag: 0.0, motion_lag: 0.0, gains: vec![1.0; logs], gear_loss: 0.0, weight: None }
     }
 }
 
@@ -44,6 +47,8 @@ pub(super) struct Stretch {
     pub step: f64,
     /// Time between fresh values of the slowest channel \[s\].
     pub fresh: f64,
+    /// The widest band that the log allows \[Hz\], where what was computed of it has one.
+    pub widest: f64,
     pub target: Vec<f64>,
     pub base: Vec<Vec<f64>>,
     /// A part of the target that is known and has no parameter.
@@ -119,7 +124,9 @@ pub(super) fn stretch(
         moved: &moved,
         gain,
         gear_loss: corrections.gear_loss,
+        weight: corrections.weight,
         target_lag: corrections.target_lag,
+        motion_lag: lag,
         has_motor,
         has_output,
         motor_angle: motor_angle.as_ref(),
@@ -171,6 +178,7 @@ pub(super) fn stretch(
         start: if grid.step > 0.0 { grid.start - log.time[0] } else { 0.0 },
         step: grid.step,
         fresh: grid.step * log.fresh.values().copied().fold(1.0, f64::max),
+        widest: log.band.unwrap_or(f64::INFINITY),
         target: sides.response.values,
         base: sides.base,
         known: sides.known,

@@ -78,7 +78,9 @@ pub(super) struct Seen<'a> {
     /// What the target is multiplied with.
     pub gain: f64,
     pub gear_loss: f64,
+    pub weight: Option<[f64; 2]>,
     pub target_lag: f64,
+    pub motion_lag: f64,
     pub has_motor: bool,
     pub has_output: bool,
     pub motor_angle: Option<&'a Signal>,

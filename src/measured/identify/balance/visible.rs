@@ -65,6 +65,9 @@ pub fn visible(effect: &dyn Effect, balance: &Balance, declared: &Declared) -> R
     // A duty-driven machine shows voltage effects as torque; what a temperature does to the current that nobody measured it
     // does not show.
     let volts = effect.acts_on() == Equation::Voltage && balance.is_duty_driven && !effect.needs_temperature();
+    if declared.without.contains(&effect) {
+        return Err(Hidden::LeftOut);
+    }
     let winds = effect.winds_up() && balance.target == Target::WindUp;
     if effect.acts_on() != balance.target.equation() && !winds && !volts {
         return Err(Hidden::Elsewhere);

@@ -62,6 +62,7 @@ impl Like {
             excluded: Vec::new(),
             fresh: BTreeMap::new(),
             from_motor: log.from_motor.clone(),
+            band: None,
             time: Vec::new(),
             channels: BTreeMap::new(),
             remarks: Vec::new(),
@@ -168,7 +169,10 @@ impl Course<'_> {
                 Channel::Torque | Channel::Command => p.torque,
                 Channel::Duty => volts(p) / per_volt,
                 Channel::Supply => supply,
-                Channel::BusCurrent | Channel::WindingTemperature | Channel::HousingTemperature => usual,
+                Channel::BusCurrent
+                | Channel::WindingTemperature
+                | Channel::HousingTemperature
+                | Channel::LoadTorque => usual,
             };
             points.iter().map(of).collect()
         };

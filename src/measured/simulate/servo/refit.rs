@@ -33,7 +33,11 @@ fn refit_from(start: Model, declared: &Model, judges: &Judges, all: &[Track], be
     if all.iter().any(|t| t.fits && t.load_gravity + t.load_inertia > 0.0) {
         model.slots.push(Slot::TorqueConstant);
     }
-    model.slots.extend([Slot::Inertia, Slot::Damping]);
+    model.slots.push(Slot::Inertia);
+    // Beside a current there is no back-EMF that damps.
+    if super::is_voltage(all) {
+        model.slots.push(Slot::Damping);
+    }
     for (t, term) in model.machine.terms.iter().enumerate() {
         model.slots.extend((0..term.effect.linear()).map(|j| Slot::Value(t, j)));
     }

@@ -2,7 +2,7 @@
 
 use super::candidate::Candidate;
 use super::judges::{Judges, WORTH, chance};
-use crate::effects::{EFFECTS, Effect, Variable, View};
+use crate::effects::{EFFECTS, Effect, Equation, Variable, View};
 use crate::measured::answer::{Hidden, INTERVAL, Refused, Stage, Step, Target};
 use crate::measured::select::{CHANCE, Judge, Pruner};
 use crate::measured::simulate::model::{Model, error};
@@ -187,7 +187,7 @@ pub(super) fn stage(step: Step, tracks: &[&Track], model: &Model) -> Stage {
 }
 
 /// What can be tried on these logs; the rest is refused with its reason.
-pub(super) fn candidates(all: &[Track], refused: &mut Vec<Refused>) -> Vec<Candidate> {
+pub(super) fn candidates(all: &[Track], without: &[&'static dyn Effect], refused: &mut Vec<Refused>) -> Vec<Candidate> {
     let measures_supply = all.iter().any(|t| t.supply.windows(2).any(|w| w[0] != w[1]));
     let view = View {
         equation: Target::Position.equation(),
@@ -199,7 +199,12 @@ pub(super) fn candidates(all: &[Track], refused: &mut Vec<Refused>) -> Vec<Candi
     };
     let mut list: Vec<(u32, Candidate)> = Vec::new();
     for effect in EFFECTS {
+        let of_voltage = effect.acts_on() == Equation::Voltage;
         let why = match (effect.hidden(&view), effect.rank_in_position()) {
+            _ if without.contains(effect) => Hidden::LeftOut,
+            _ if of_voltage && !super::is_voltage(all) => {
+                Hidden::Bench("the drive is asked for torque: what a voltage does is not seen")
+            }
             (Some(why), _) => Hidden::Bench(why),
             (None, Some(rank)) => {
                 list.push((rank, Candidate::Effect(*effect)));

@@ -40,7 +40,7 @@ impl Balanced for Drive {
             let damping = model.torque_constant * model.back_emf / model.resistance;
             terms.push(BaseTerm { which: Base::Damping, declared: Some(damping) });
         }
-        if log.load.gravity_torque.is_some() {
+        if has_load_scale(log) {
             terms.push(BaseTerm { which: Base::LoadScale, declared: Some(1.0) });
         }
         terms
@@ -68,7 +68,7 @@ impl Balanced for Drive {
         }
         let transmitted = known_load(seen);
         let mut known = seen.zeros();
-        if load.gravity_torque.is_some() {
+        if has_load_scale(seen.grid.log) {
             base.push(transmitted.clone()?.values);
         } else if let Some(load) = &transmitted {
             known.clone_from(&load.values);
@@ -83,6 +83,13 @@ impl Balanced for Drive {
             _ => None,
         };
         let transmitted = transmitted.map(|t| t.map(|t| t / ratio));
+        // A weight that was fitted is transmitted as a known one is.
+        let weight =
+            seen.weight.zip(seen.turned).map(|([sine, cosine], q)| q.map(|q| sine * q.sin() + cosine * q.cos()));
+        let transmitted = match (transmitted, weight) {
+            (Some(known), Some(weight)) => Some(known.with(&weight, |a, b| a + b)),
+            (known, weight) => known.or(weight),
+        };
         Some(Sides { response: drive, base, known, load: made_of, transmitted, curvature })
     }
 
@@ -93,4 +100,9 @@ impl Balanced for Drive {
             _ => "a torque sensor at the output",
         }
     }
+}
+
+/// Whether the known load has a scale that is fitted: of a weight, and of what a robot's description says.
+fn has_load_scale(log: &Log) -> bool {
+    log.load.gravity_torque.is_some() || log.channel(Channel::LoadTorque).is_some()
 }

@@ -1,11 +1,15 @@
 //! What hangs at the output and is known.
 
 use super::Seen;
+use crate::measured::Channel;
 use crate::measured::identify::origin::Signal;
 
 /// Its torque: inertia and gravity \[N·m at the output\].
 pub(super) fn known_load(seen: &Seen) -> Option<Signal> {
     let (load, moved, angle) = (seen.grid.log.load, seen.moved, seen.turned);
+    if let Some(robot) = seen.grid.shifted(Channel::LoadTorque, seen.motion_lag) {
+        return Some(robot);
+    }
     if load.inertia.is_none() && load.gravity_torque.is_none() {
         return None;
     }

@@ -1,0 +1,132 @@
+//! Logs of a whole arm: each joint gets its own friction, and a mass that is not in the description is named as such.
+
+use gearwise::measured::identify::{Options, Report};
+use gearwise::measured::read::read_subject;
+use gearwise::measured::robot::{Asked, PayloadAnswer, RobotBench, RobotReport, Subject, identify};
+
+use crate::simulator::arm::{Arm, JOINTS};
+
+fn read(arm: &Arm, logs: usize) -> RobotBench {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = arm.write(folder.path(), logs);
+    match read_subject(&path, None).unwrap_or_else(|e| panic!("{}", e[0])) {
+        Subject::Robot(robot) => *robot,
+        Subject::Actuator(_) => panic!("a robot"),
+    }
+}
+
+fn run(arm: &Arm) -> RobotReport {
+    identify(&read(arm, 2), &Options::default(), None).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn reports(report: &RobotReport) -> Vec<Vec<Report>> {
+    let of = |j: &gearwise::measured::robot::JointReport| {
+        let identified = j.identified.as_ref().unwrap_or_else(|e| panic!("{e}"));
+        identified.iter().map(|i| i.report.clone()).collect()
+    };
+    report.joints.iter().map(of).collect()
+}
+
+/// A value of an effect of a joint.
+fn value(reports: &[Report], effect: &str) -> Option<f64> {
+    let found = reports.iter().flat_map(|r| &r.effects).find(|e| e.name() == effect)?;
+    Some(found.parameters[0].fitted)
+}
+
+#[test]
+fn each_joint_gets_its_own_friction_and_no_mass_is_named_where_none_is_missing() {
+    let arm = Arm::new(1);
+    let report = run(&arm);
+    assert!(matches!(report.payload, PayloadAnswer::Enough(_)), "{:?}", report.payload);
+    for (j, reports) in reports(&report).iter().enumerate() {
+        let drive = &arm.drives[j];
+        let coulomb = value(reports, "coulomb_friction").unwrap_or_else(|| panic!("{j}: {:?}", reports[0].effects));
+        assert!((coulomb / drive.coulomb - 1.0).abs() < 0.1, "{j}: {coulomb} {}", drive.coulomb);
+        let viscous = value(reports, "viscous_friction").unwrap_or_else(|| panic!("{j}: {:?}", reports[0].effects));
+        assert!((viscous / drive.viscous - 1.0).abs() < 0.15, "{j}: {viscous} {}", drive.viscous);
+    }
+}
+
+#[test]
+fn a_wrong_payload_is_named_as_such() {
+    for (seed, declared) in [(2, 0.8), (3, 3.0)] {
+        let mut arm = Arm::new(seed);
+        arm.declared_payload = Some((declared, arm.payload.1));
+        let report = run(&arm);
+        let PayloadAnswer::Named(named) = &report.payload else { panic!("{:?}", report.payload) };
+        assert_eq!(named.carriers[0].link, "wrist_3");
+        assert!(named.carriers[0].has_payload);
+        let lacks = arm.payload.0 - declared;
+        assert!((named.mass - lacks).abs() < 0.1 * lacks.abs(), "{named:?}");
+        assert!(named.witnesses.len() >= 3, "{named:?}");
+        for (j, reports) in reports(&report).iter().enumerate() {
+            let coulomb = value(reports, "coulomb_friction").unwrap_or_else(|| panic!("{j}: {:?}", reports[0].effects));
+            assert!((coulomb / arm.drives[j].coulomb - 1.0).abs() < 0.1, "{j}: {coulomb}");
+        }
+    }
+}
+
+/// The description says nothing of what it carries: mass and place are found.
+#[test]
+fn a_payload_that_nobody_declared_is_named_with_its_place() {
+    let mut arm = Arm::new(4);
+    arm.declared_payload = None;
+    arm.payload = (2.5, nalgebra::Vector3::new(0.05, 0.15, -0.08));
+    let report = run(&arm);
+    let PayloadAnswer::Named(named) = &report.payload else { panic!("{:?}", report.payload) };
+    assert_eq!(named.carriers[0].link, "wrist_3");
+    assert!(!named.carriers[0].has_payload && named.is_place_fitted, "{named:?}");
+    assert!((named.mass - 2.5).abs() < 0.25, "{named:?}");
+    for (found, truth) in named.at.iter().zip(arm.payload.1.iter()) {
+        assert!((found - truth).abs() < 0.02, "{named:?}");
+    }
+}
+
+/// What must not be called a mass: torque constants that are off, losses of the gears, one joint that alone moves.
+#[test]
+fn what_is_no_mass_is_not_called_one() {
+    let mut constants = Arm::new(5);
+    for (drive, error) in constants.drives.iter_mut().zip([1.08, 0.93, 1.06, 0.95, 1.1, 0.9]) {
+        drive.constant_error = error;
+    }
+    let mut losses = Arm::new(6);
+    losses.drives.iter_mut().for_each(|d| d.load_friction = 0.15);
+    for arm in [&constants, &losses] {
+        let report = run(arm);
+        assert!(!matches!(report.payload, PayloadAnswer::Named(_)), "{:?}", report.payload);
+    }
+    let mut alone = Arm::new(7);
+    alone.moves = std::array::from_fn(|j| j == 1);
+    alone.declared_payload = None;
+    let report = run(&alone);
+    assert!(matches!(report.payload, PayloadAnswer::Open(_, Asked::OneJoint)), "{:?}", report.payload);
+}
+
+/// A link in the middle that is heavier than described is not the payload.
+#[test]
+fn a_link_that_is_heavier_than_described_is_not_called_the_payload() {
+    let mut arm = Arm::new(8);
+    arm.mass_error[2] = 1.6;
+    let report = run(&arm);
+    let PayloadAnswer::Named(named) = &report.payload else { panic!("{:?}", report.payload) };
+    assert_eq!(named.carriers[0].link, "forearm", "{named:?}");
+    let lacks = 0.6 * arm.links[2].mass;
+    assert!((named.mass - lacks).abs() < 0.25 * lacks, "{named:?} {lacks}");
+}
+
+#[test]
+fn the_logs_of_an_arm_have_all_its_joints() {
+    let robot = read(&Arm::new(9), 1);
+    assert_eq!((robot.joints.len(), robot.carrying.len()), (JOINTS, 1));
+    assert!(robot.joints.iter().all(|j| j.logs.len() == 1));
+}
+
+/// Writes an arm to the folder `GEARWISE_ARM`, to look at: its payload is 2 kg, and 0.8 kg is declared.
+#[test]
+#[ignore = "writes files for people"]
+fn an_arm_to_look_at() {
+    let folder = std::path::PathBuf::from(std::env::var_os("GEARWISE_ARM").expect("a folder in GEARWISE_ARM"));
+    let mut arm = Arm::new(2);
+    arm.declared_payload = Some((0.8, arm.payload.1));
+    arm.write(&folder, 2);
+}
