@@ -7,6 +7,7 @@ mod held_commands;
 mod identification;
 mod identification_numbers;
 mod negative_controls;
+mod other_logs;
 mod planned;
 mod remade_parts;
 mod robot;

@@ -30,6 +30,7 @@ fn clean() -> Evidence {
         better: None,
         contradicted: false,
         owned: false,
+        left_out: 0,
         dead: None,
         unrelated: false,
         still: false,

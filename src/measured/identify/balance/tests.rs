@@ -142,7 +142,7 @@ fn no_effect_is_asked_whose_regressor_is_made_of_the_response() {
             let found = match visible(*effect, &balance, &bench.declared) {
                 Ok(()) => 'o',
                 Err(Hidden::Elsewhere) => 'e',
-                Err(Hidden::Lacks(_) | Hidden::Bench(_)) => 'b',
+                Err(Hidden::Lacks(_) | Hidden::Bench(_) | Hidden::LeftOut) => 'b',
                 Err(Hidden::Response(by)) => {
                     assert!(!by.is_empty());
                     if effect.needs().iter().any(|v| shares_the_response(&balance, *v)) { 'r' } else { 'l' }

@@ -1,0 +1,192 @@
+//! Logs that have less than a bench: a goal and a position under a law of torque, a current over an unknown weight; and effects
+//! that are not to be asked for.
+
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+
+use gearwise::measured::identify::{Ground, Options, Report, Verdict, identify};
+use gearwise::measured::read::read;
+
+use crate::simulator::random::Random;
+
+const RATIO: f64 = 9.0;
+const TORQUE_CONSTANT: f64 = 0.1;
+const ROTOR: f64 = 4e-5;
+
+/// The true machine: friction at the motor, and a pendulum (inertia, weight, angle at which it hangs) at the output.
+#[derive(Clone, Copy)]
+struct Machine {
+    coulomb: f64,
+    viscous: f64,
+    load_friction: f64,
+    inertia: f64,
+    weight: f64,
+    hangs_at: f64,
+}
+
+impl Machine {
+    fn friction(&self, speed: f64, transmitted: f64) -> f64 {
+        (self.coulomb + self.load_friction * transmitted.abs()) * (speed / 0.02).clamp(-1.0, 1.0) + self.viscous * speed
+    }
+}
+
+/// Writes a bench file with a motor that has nothing but its constants, and reads it.
+fn identified(folder: &Path, kind: &str, more: &str, columns: &str, logs: &[String]) -> Vec<Report> {
+    let catalog = format!(
+        "id,manufacturer,model,construction,commutation,winding,terminals,current,resistance [ohm],torque_constant [N*m/A],\
+         rotor_inertia [kg*m^2],mass [kg],continuous_torque [N*m],peak_torque [N*m],source,source_kind\n\
+         m,the test suite,simulated,frameless,brushless,wye,winding,q_axis,0.3,{TORQUE_CONSTANT},{ROTOR},0.5,1,3,simulated,measured\n"
+    );
+    fs::write(folder.join("motors.csv"), catalog).unwrap();
+    let mut bench = format!(
+        "kind = \"{kind}\"\ncatalog = [\"motors.csv\"]\nactuator = {{ motor = \"m\", ratio = {RATIO} }}\n{more}\n\
+         [columns]\ntime = {{ name = \"t\", unit = \"s\" }}\n{columns}\n"
+    );
+    for (k, log) in logs.iter().enumerate() {
+        fs::write(folder.join(format!("{k}.csv")), log).unwrap();
+        let held = if k + 1 == logs.len() && k > 0 { "held_out" } else { "fit" };
+        let _ = writeln!(bench, "[[log]]\nfile = \"{k}.csv\"\nuse = \"{held}\"");
+    }
+    let path = folder.join("bench.toml");
+    fs::write(&path, bench).unwrap();
+    let bench = read(&path).unwrap_or_else(|e| panic!("{}", e[0]));
+    identify(&bench, &Options::default()).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn value(reports: &[Report], effect: &str, parameter: usize) -> Option<f64> {
+    let found = reports.iter().flat_map(|r| &r.effects).find(|e| e.name() == effect)?;
+    Some(found.parameters[parameter].fitted)
+}
+
+/// Sines that a joint follows.
+fn sines(seed: u64, size: f64) -> impl Fn(f64) -> f64 {
+    let mut random = Random::new(seed, "goal");
+    let parts = [(0.1, 0.3, 1.0), (0.4, 0.9, 0.4), (1.0, 1.8, 0.12)].map(|(low, high, part)| {
+        (TAU * random.within(low, high), size * part * random.within(0.8, 1.2), random.within(0.0, TAU))
+    });
+    move |t| parts.iter().map(|(w, a, p)| a * (w * t + p).sin()).sum()
+}
+
+/// A log of current over a motion that is made exactly: inverse dynamics.
+fn current_log(machine: Machine, seed: u64) -> String {
+    let angle = sines(seed, 1.0);
+    let mut random = Random::new(seed, "instruments");
+    let mut text = "t,q,i\n".to_string();
+    let step = 1e-4;
+    for k in 0..8000 {
+        let t = 5e-3 * f64::from(k);
+        let (before, now, after) = (angle(t - step), angle(t), angle(t + step));
+        let (speed, acceleration) = ((after - before) / (2.0 * step), (after - 2.0 * now + before) / (step * step));
+        let transmitted = (machine.inertia * acceleration + machine.weight * (now - machine.hangs_at).sin()) / RATIO;
+        let torque = transmitted + ROTOR * RATIO * acceleration + machine.friction(RATIO * speed, transmitted);
+        let current = torque / TORQUE_CONSTANT + 0.05 * random.normal();
+        let _ = writeln!(text, "{t:.4},{:.6},{current:.5}", now + 1e-5 * random.normal());
+    }
+    text
+}
+
+const CURRENT: &str = "position = { name = \"q\", unit = \"rad\", side = \"output\" }\n\
+                       current = { name = \"i\", unit = \"A\", convention = \"q_axis\" }";
+
+/// Nobody knows the weight of an arm's joint: it is found, and what the gear loses of it is seen. A gear that loses nothing gets
+/// no loss.
+#[test]
+fn a_weight_that_is_fitted_shows_what_the_gear_loses_of_it() {
+    for (loss, seed) in [(0.2, 1), (0.12, 2), (0.0, 3)] {
+        let machine =
+            Machine { coulomb: 0.05, viscous: 4e-4, load_friction: loss, inertia: 0.3, weight: 12.0, hangs_at: 0.3 };
+        let folder = tempfile::tempdir().unwrap();
+        let logs = [current_log(machine, seed), current_log(machine, seed + 10)];
+        let reports = identified(folder.path(), "free", "", CURRENT, &logs);
+        let (sine, cosine) = (value(&reports, "gravity", 0).unwrap(), value(&reports, "gravity", 1).unwrap());
+        assert!((sine.hypot(cosine) * RATIO / 12.0 - 1.0).abs() < 0.05, "{sine} {cosine}");
+        let found = value(&reports, "load_dependent_friction", 0);
+        if loss > 0.0 {
+            let found = found.unwrap_or_else(|| panic!("{loss}: {:?}", reports[0].refused));
+            assert!((found / loss - 1.0).abs() < 0.15, "{loss}: {found}");
+        } else {
+            assert_eq!(found, None);
+        }
+        let coulomb = value(&reports, "coulomb_friction", 0).unwrap();
+        assert!((coulomb / 0.05 - 1.0).abs() < 0.15, "{coulomb}");
+    }
+}
+
+/// A log of goal and position under a law of torque, simulated in small steps.
+fn law_log(machine: Machine, seed: u64) -> String {
+    let goal = sines(seed, 1.2);
+    let mut random = Random::new(seed, "instruments");
+    let (mut q, mut w) = (goal(0.0), 0.0);
+    let inertia = machine.inertia + RATIO * RATIO * ROTOR;
+    let mut text = "t,q,goal\n".to_string();
+    let step = 2e-5;
+    for k in 0..4000 {
+        let t = 5e-3 * f64::from(k);
+        let held = goal(t);
+        let _ = writeln!(text, "{t:.4},{:.6},{held:.6}", q + 2e-5 * random.normal());
+        for _ in 0..250 {
+            let asked = (20.0 * (held - q) - 0.6 * w).clamp(-25.0, 25.0);
+            let push = asked - machine.weight * (q - machine.hangs_at).sin() - RATIO * RATIO * machine.viscous * w;
+            let dry = RATIO * machine.coulomb;
+            if w == 0.0 && push.abs() <= dry {
+                continue;
+            }
+            let direction = if w == 0.0 { push.signum() } else { f64::signum(w) };
+            let next = w + step * (push - direction * dry) / inertia;
+            w = if next * direction < 0.0 { 0.0 } else { next };
+            q += step * w;
+        }
+    }
+    text
+}
+
+const LAW: &str = "position = { name = \"q\", unit = \"rad\", side = \"output\" }\n\
+                   goal = { name = \"goal\", unit = \"rad\", side = \"output\" }";
+const CONTROLLER: &str = "controller = { kp = \"20 N*m/rad\", damping = \"0.6 N*m*s/rad\", limit = \"25 N*m\" }\n\
+                          load = { inertia = \"0.05 kg*m^2\", gravity_torque = \"2 N*m\" }";
+
+/// A drive with control of torque, of which goal and position are logged: its friction is found by simulation, and none where
+/// there is none.
+#[test]
+fn a_law_of_torque_needs_goal_and_position_alone() {
+    let machine =
+        Machine { coulomb: 0.08, viscous: 3e-4, load_friction: 0.0, inertia: 0.05, weight: 2.0, hangs_at: 0.0 };
+    let none = Machine { coulomb: 0.0, viscous: 0.0, ..machine };
+    for (machine, has) in [(machine, true), (none, false)] {
+        let folder = tempfile::tempdir().unwrap();
+        let logs: Vec<String> = (1..=4).map(|seed| law_log(machine, seed)).collect();
+        let reports = identified(folder.path(), "servo", CONTROLLER, LAW, &logs);
+        let coulomb = value(&reports, "coulomb_friction", 0);
+        let names: Vec<&str> = reports.iter().flat_map(|r| r.effects.iter().map(|e| e.name())).collect();
+        match has {
+            true => assert!((coulomb.unwrap_or(0.0) / 0.08 - 1.0).abs() < 0.15, "{coulomb:?} {names:?}"),
+            false => assert!(names.is_empty(), "{names:?}"),
+        }
+        // What a voltage does is not spoken of.
+        let of_voltage = reports[0].refused.iter().find(|r| r.name == "inverter_dead_time").unwrap();
+        assert_eq!(of_voltage.ground, Ground::Bench, "{of_voltage:?}");
+    }
+}
+
+/// What the bench file rules out is not named, and then nothing is said to be complete.
+#[test]
+fn what_is_ruled_out_is_neither_named_nor_forgotten() {
+    let machine =
+        Machine { coulomb: 0.08, viscous: 4e-4, load_friction: 0.0, inertia: 0.3, weight: 6.0, hangs_at: 0.0 };
+    let load = "load = { inertia = \"0.3 kg*m^2\", gravity_torque = \"6 N*m\" }";
+    let logs = [current_log(machine, 5), current_log(machine, 15)];
+    let without = |names: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        identified(folder.path(), "free", &format!("without = [{names}]\n{load}"), CURRENT, &logs)
+    };
+    let all = without("");
+    assert!(value(&all, "coulomb_friction", 0).is_some() && all[0].evidence.left_out == 0);
+    let ruled_out = without("\"coulomb_friction\"");
+    assert_eq!(value(&ruled_out, "coulomb_friction", 0), None);
+    let refused = ruled_out[0].refused.iter().find(|r| r.name == "coulomb_friction").unwrap();
+    assert_eq!(refused.ground, Ground::LeftOut);
+    assert_eq!(ruled_out[0].evidence.left_out, 1);
+    assert_ne!(ruled_out[0].verdict, Verdict::NothingMissing);
+}
