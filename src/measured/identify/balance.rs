@@ -17,7 +17,7 @@ mod targets;
 mod visible;
 
 pub use equation::{Balance, Setting};
-pub use stretch::Corrections;
+pub use stretch::{Corrections, Weight};
 pub use targets::targets;
 pub use visible::{applies, visible};
 

@@ -87,7 +87,7 @@ pub(crate) struct Superfluous {
 }
 
 /// The state of the selection: what was refused and why.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct Selection {
     /// Every refusal, the last word for each effect.
     pub refused: Vec<Refused>,
@@ -334,7 +334,11 @@ impl Selection {
         let fit = work.fit();
         (0..work.terms.len())
             .filter(|t| work.terms[*t].effect().is_some() && work.terms[*t].declared.is_none())
-            .filter(|t| !work.terms[*t].effect().is_some_and(|(e, _)| carries_another(work, e)))
+            // One that another is defined beyond stays as long as its own value is believed.
+            .filter(|t| {
+                let carries = work.terms[*t].effect().is_some_and(|(e, _)| carries_another(work, e));
+                !carries || believed(work, *t).is_err()
+            })
             .filter_map(|t| {
                 let without = work.left_out_without(t);
                 let gain = 1.0 - finite_sum(&fit.left_out) / finite_sum(&without);

@@ -55,6 +55,8 @@ pub struct Options {
 
 /// A lag that makes the declared model this many times worse is none.
 const HARM: f64 = 1.5;
+/// Lags that are found again may leave so many times the squared error that was left with the first ones.
+const WORSE_BY_LAGS: f64 = 1.02;
 /// Fewest rows over time that are fitted: less would give numbers without a scatter between stretches that says their error.
 const FEWEST: usize = 60;
 /// How often the band is halved to find one that values do not depend on.
@@ -231,9 +233,20 @@ fn narrowed(bench: &Bench, target: Target, options: &Options, times: usize) -> O
     explain(&mut work, &mut selection, &mut stages);
     // Lags are found again with the effects in: a late channel and friction look alike. What the gear
     // transmits follows from its loss.
+    if work.fitted_weight().is_some() {
+        // Of a load that nobody knows the inertia is seen once its weight is.
+        let count = held.len();
+        held.retain(|which| !work.release(*which));
+        if held.len() < count {
+            explain(&mut work, &mut selection, &mut stages);
+        }
+    }
     let gear_loss = work.gear_loss();
     let weight = work.fitted_weight();
     let refined = may_be_late.then(|| artefacts::refine(bench, &work, &corrections, &setting)).flatten();
+    let lags_alone = refined.is_some() && gear_loss <= 0.02 && weight.is_none();
+    let before =
+        lags_alone.then(|| (work.clone(), selection.clone(), stages.clone(), corrections.clone(), held.clone()));
     if refined.is_some() || gear_loss > 0.02 || weight.is_some() {
         corrections = Corrections { gear_loss, weight, ..refined.unwrap_or(corrections) };
         let terms = std::mem::take(&mut work.terms);
@@ -248,7 +261,14 @@ fn narrowed(bench: &Bench, target: Target, options: &Options, times: usize) -> O
         }
         work.add_again(terms);
         work.refine_shapes();
+        if weight.is_some() {
+            held.retain(|which| !work.release(*which));
+        }
         explain(&mut work, &mut selection, &mut stages);
+    }
+    if let Some(before) = before.filter(|(old, ..)| old.left_out_per_row() * WORSE_BY_LAGS < work.left_out_per_row()) {
+        // Lags that leave more than those before are not better for fitting one model of it.
+        (work, selection, stages, corrections, held) = before;
     }
     selection.back_to_the_best(&mut work);
     // What was held before the effects were known may be seen beside them.

@@ -219,7 +219,8 @@ impl Work<'_> {
         let fit = self.fit();
         let covariance = covariance(&fit.blocks, &fit.solution, |b| self.fits(b));
         let (value, error) = (fit.solution.coefficients[0], covariance[(0, 0)].sqrt());
-        let is_seen = fit.solution.inverse[(0, 0)] > 0.0 && value > 0.0 && error < DOUBT * declared.abs();
+        let is_seen =
+            fit.solution.inverse[(0, 0)] > 0.0 && value > 0.0 && error < DOUBT * declared.abs().max(0.5 * value);
         let is_no_worse = finite_sum(&fit.left_out) < finite_sum(&before.left_out);
         let is_told = is_seen && is_no_worse && !self.is_in_noise(0);
         if !is_told {

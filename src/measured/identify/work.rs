@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::balance::{Balance, visible};
+use super::balance::{Balance, Weight, visible};
 use super::noise::Unfiltered;
 use super::orders::Ripple;
 use super::regression::{Blocks, Solution, residual, solve};
@@ -230,6 +230,12 @@ impl<'a> Work<'a> {
         ((finite_sum(left_out) + wild) / fits.len().max(1) as f64).sqrt()
     }
 
+    /// Mean squared error that the model leaves, each block left out of the fit in turn.
+    pub fn left_out_per_row(&self) -> f64 {
+        let rows = self.balance.rows.block.iter().filter(|b| self.fits(**b)).count();
+        finite_sum(&self.fit().left_out) / rows.max(1) as f64
+    }
+
     /// Whether a term is this parameter of the declared model.
     pub fn is_base(&self, term: usize, which: Base) -> bool {
         matches!(self.terms[term].kind, Kind::Base(i) if self.balance.base[i].which == which)
@@ -248,12 +254,16 @@ impl<'a> Work<'a> {
         self.terms[..term].iter().map(|t| t.columns.len()).sum()
     }
 
-    /// Sine and cosine of the weight of a load that was found and that nobody declared \[N·m at the motor\].
-    pub fn fitted_weight(&self) -> Option<[f64; 2]> {
+    /// The load that was found and that nobody declared: its weight, and the inertia that is there beyond the declared one.
+    pub fn fitted_weight(&self) -> Option<Weight> {
         let is_weight = |t: &usize| self.terms[*t].effect().is_some_and(|(e, _)| Some(e) == of_weight());
         let term = (0..self.terms.len()).find(is_weight).filter(|_| self.balance.target == Target::Drive)?;
         let (solution, at) = (self.fit().solution, self.offset(term));
-        Some([solution.coefficients[at], solution.coefficients[at + 1]])
+        let inertia = (0..self.terms.len()).find(|t| self.is_base(*t, Base::Inertia)).map_or(0.0, |t| {
+            let declared = self.terms[t].declared.as_ref().map_or(0.0, |d| d[0]);
+            (solution.coefficients[self.offset(t)] - declared).max(0.0)
+        });
+        Some(Weight { sine: solution.coefficients[at], cosine: solution.coefficients[at + 1], inertia })
     }
 
     /// The factor of load-dependent friction that was found; zero where there is none.

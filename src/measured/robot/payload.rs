@@ -16,7 +16,7 @@ use crate::numerics::sums::paired;
 /// Least share of the left-out squared error that a mass must take away to be worth a name.
 const WORTH: f64 = 0.04;
 /// Standard errors between blocks by which it must, of a dozen that are asked.
-const SURE: f64 = 4.0;
+const SURE: f64 = 3.0;
 /// Standard errors by which another explanation must be worse not to be named as well.
 const WORSE: f64 = 2.5;
 /// A joint says something of a mass that its own ± is less than this share of.
@@ -86,6 +86,8 @@ pub enum Asked {
     OneJoint,
     /// Joints ask for different masses.
     Disagree,
+    /// What it takes away scatters too much between stretches of the logs.
+    Scatters,
 }
 
 /// Whether the masses of the description are enough.
@@ -256,9 +258,10 @@ impl Question<'_> {
         };
         let gain = 1.0 - own.left() / without.left();
         let is_there = own.shared[0].abs() > own.error[0];
-        if !(gain > WORTH && paired(&without.left_out, &own.left_out) > SURE && is_there) {
+        if gain <= WORTH || !is_there {
             return PayloadAnswer::Enough(felt);
         }
+        let is_sure = paired(&without.left_out, &own.left_out) > SURE;
         // Others of the same kind that are not surely worse.
         let others = (0..candidates.len()).filter(|k| *k != index).filter(|k| {
             let other = match (&freest, &placed[*k]) {
@@ -287,6 +290,8 @@ impl Question<'_> {
             Some(Asked::Disagree)
         } else if paired(&scaled.left_out, &own.left_out) < WORSE {
             Some(Asked::Scales)
+        } else if !is_sure {
+            Some(Asked::Scatters)
         } else {
             None
         };

@@ -72,6 +72,9 @@ pub fn payload(robot: &RobotBench, answer: &PayloadAnswer) -> String {
                 Asked::OneJoint => {
                     "fewer than two joints feel it, and one joint's own torque may be off: move more joints that carry it"
                 }
+                Asked::Scatters => {
+                    "what it takes away scatters too much between stretches of the logs: a longer run would show more"
+                }
                 Asked::Disagree => "the joints ask for different masses, so that it is no single mass",
             };
             format!(

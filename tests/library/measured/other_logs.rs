@@ -179,11 +179,11 @@ fn what_is_ruled_out_is_neither_named_nor_forgotten() {
     let logs = [current_log(machine, 5), current_log(machine, 15)];
     let without = |names: &str| {
         let folder = tempfile::tempdir().unwrap();
-        identified(folder.path(), "free", &format!("without = [{names}]\n{load}"), CURRENT, &logs)
+        identified(folder.path(), "free", &format!("{names}{load}"), CURRENT, &logs)
     };
     let all = without("");
     assert!(value(&all, "coulomb_friction", 0).is_some() && all[0].evidence.left_out == 0);
-    let ruled_out = without("\"coulomb_friction\"");
+    let ruled_out = without("without = [\"coulomb_friction\"]\n");
     assert_eq!(value(&ruled_out, "coulomb_friction", 0), None);
     let refused = ruled_out[0].refused.iter().find(|r| r.name == "coulomb_friction").unwrap();
     assert_eq!(refused.ground, Ground::LeftOut);

@@ -581,6 +581,7 @@ fn reports_make_a_fitted_motor() {
         coulomb_friction: None,
         fixture_inertia: 0.0,
         effects: vec![FittedEffect::new("eddy_drag", vec![0.01, 100.0]).unwrap()],
+        without: Vec::new(),
     };
     let readings = gearwise::measured::bench::Readings::default();
     let bench = Bench {

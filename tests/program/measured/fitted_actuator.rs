@@ -170,6 +170,7 @@ fn bench(cells: &[(&str, &str)], ratio: f64) -> Bench {
         coulomb_friction: None,
         fixture_inertia: 0.0,
         effects: Vec::new(),
+        without: Vec::new(),
     };
     let catalog = Catalog::of(declared.motor.clone().into_iter().collect(), Vec::new());
     let readings = gearwise::measured::bench::Readings::default();

@@ -24,9 +24,19 @@ pub struct Corrections {
     /// Load-dependent loss of the gear as far as it is known: what the transmitted torque follows with from
     /// the motor's.
     pub gear_loss: f64,
-    /// Sine and cosine over the angle of the output \[N·m at the motor\] of a weight that was fitted, where none is known: it is
-    /// what the gear transmits.
-    pub weight: Option<[f64; 2]>,
+    /// A load that was fitted, where none is known: it is what the gear transmits.
+    pub weight: Option<Weight>,
+}
+
+/// A load that nobody declared, as it was fitted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Weight {
+    /// Sine over the angle of the output \[N·m at the motor\].
+    pub sine: f64,
+    /// Cosine.
+    pub cosine: f64,
+    /// Its inertia \[kg·m² at the motor\]: what is there beyond that of rotor and gear.
+    pub inertia: f64,
 }
 
 impl Corrections {

@@ -9,6 +9,7 @@ mod wind_up;
 use super::grid::Gridded;
 use super::model::Model;
 use super::motion::Motion;
+use super::stretch::Weight;
 use crate::effects::Variable;
 use crate::measured::answer::{Base, Target};
 use crate::measured::identify::noise::Reading;
@@ -78,7 +79,7 @@ pub(super) struct Seen<'a> {
     /// What the target is multiplied with.
     pub gain: f64,
     pub gear_loss: f64,
-    pub weight: Option<[f64; 2]>,
+    pub weight: Option<Weight>,
     pub target_lag: f64,
     pub motion_lag: f64,
     pub has_motor: bool,

@@ -84,8 +84,10 @@ impl Balanced for Drive {
         };
         let transmitted = transmitted.map(|t| t.map(|t| t / ratio));
         // A weight that was fitted is transmitted as a known one is.
-        let weight =
-            seen.weight.zip(seen.turned).map(|([sine, cosine], q)| q.map(|q| sine * q.sin() + cosine * q.cos()));
+        let weight = seen.weight.zip(seen.turned).map(|(w, q)| {
+            let hangs = q.map(|q| w.sine * q.sin() + w.cosine * q.cos());
+            hangs.with(&moved.motor_acceleration, |hangs, a| hangs + w.inertia * a)
+        });
         let transmitted = match (transmitted, weight) {
             (Some(known), Some(weight)) => Some(known.with(&weight, |a, b| a + b)),
             (known, weight) => known.or(weight),
