@@ -377,7 +377,7 @@ fn read_controller(section: &Section) -> Option<Controller> {
         &units::PER_SPEED,
         &units::VISCOUS_FRICTION,
     );
-    let about = key("limit", "largest duty, or torque").default("1; of torque none");
+    let about = key("limit", "largest duty, or torque").default("1, of a torque none");
     let limit = match in_torque {
         true => table.quantity(about, &units::TORQUE, Range::Positive).unwrap_or(f64::INFINITY),
         false => table.number(about, Range::Positive).unwrap_or(1.0),

@@ -20,7 +20,7 @@ const FIXED: Key = key("fixed", "joints that did not move, and where they were")
 pub(super) const SKELETON: &str = "
 kind = 'free'
 columns = { time = {} }
-mechanism = { model = '', payload = {}, fixed = {} }
+mechanism = { model = '', payload = {} }
 [[joint]]
 mechanism_joint = ''
 actuator = {}

@@ -368,7 +368,9 @@ fn parameter(report: &Report, effect: &str, name: &str) -> f64 {
 fn emps_has_the_friction_that_its_authors_found() {
     let Some(report) = real("emps") else { return };
     let names: Vec<&str> = report.effects.iter().map(|e| e.name()).collect();
-    assert_eq!(names, ["viscous_friction", "coulomb_friction", "torque_offset", "direction_asymmetry"]);
+    // The published offset of −3.16 N is that of a symmetric model: next to the asymmetry it is not beyond its own error.
+    assert_eq!(names, ["viscous_friction", "coulomb_friction", "direction_asymmetry"]);
+    assert!(report.refused.iter().any(|r| r.name == "torque_offset"));
     let within = |value: f64, published: f64, share: f64| assert!((value / published - 1.0).abs() < share, "{value}");
     within(report.parameters[0].fitted, 95.1089, 0.005);
     within(parameter(&report, "viscous_friction", "coefficient"), 203.5, 0.03);
