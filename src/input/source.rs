@@ -1,6 +1,7 @@
 //! A file's text, the problems found in it, and how they are shown.
 
 use std::borrow::Cow;
+use std::collections::HashSet;
 use std::fmt;
 use std::io::Read;
 use std::ops::Range;
@@ -292,6 +293,9 @@ impl InputError {
             return Ok(());
         }
         problems.sort_by_key(|p| p.span.as_ref().map_or(0, |s| s.start));
+        // A table that is read for several things is wrong once.
+        let mut said: HashSet<(Option<Range<usize>>, String)> = HashSet::new();
+        problems.retain(|p| said.insert((p.span.clone(), p.message.clone())));
         Err(InputError { source: source.clone(), problems })
     }
 }

@@ -17,7 +17,8 @@ mod targets;
 mod visible;
 
 pub use equation::{Balance, Setting};
-pub use stretch::{Corrections, Weight};
+pub use model::Weight;
+pub use stretch::Corrections;
 pub use targets::targets;
 pub use visible::{applies, visible};
 

@@ -334,10 +334,11 @@ impl Selection {
         let fit = work.fit();
         (0..work.terms.len())
             .filter(|t| work.terms[*t].effect().is_some() && work.terms[*t].declared.is_none())
-            // One that another is defined beyond stays as long as its own value is believed.
+            // One that another is defined beyond stays; but of what may have either sign nothing is left where its own value is
+            // not believed.
             .filter(|t| {
-                let carries = work.terms[*t].effect().is_some_and(|(e, _)| carries_another(work, e));
-                !carries || believed(work, *t).is_err()
+                let carries = work.terms[*t].effect().filter(|(e, _)| carries_another(work, *e));
+                carries.is_none_or(|(e, _)| e.is_signed() && believed(work, *t).is_err())
             })
             .filter_map(|t| {
                 let without = work.left_out_without(t);

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::RobotBench;
+use super::bench::RobotBench;
 use crate::measured::bench::{Channel, Log};
 use crate::measured::signals::{self, LowPass, noise_level};
 use crate::mechanism::dynamics::{Moving, State, inverse_dynamics, kinematics};

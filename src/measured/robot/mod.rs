@@ -4,69 +4,22 @@
 //! is computed once, and is the known load of its bench; what all joints lack together is asked for first, because a mass that
 //! is not in the description looks at every joint like something of that joint.
 
+mod bench;
 mod courses;
 mod payload;
 mod stacked;
 
-use std::path::PathBuf;
-
 use rayon::prelude::*;
 
+pub use self::bench::{RobotBench, RobotJoint, Subject};
 pub use self::payload::{Asked, Carrier, Felt, Named, PayloadAnswer, Witness};
 
+use self::bench::Prepared;
 use self::courses::Course;
-use super::answer::findings::Finding;
-use super::bench::{Bench, Channel, Declared, Log, Readings};
+use super::bench::{Bench, Channel};
 use super::identify::{self, Identified, Options, Target, prepare};
-use crate::catalog::Catalog;
-use crate::input::InputFile;
-use crate::mechanism::{Mechanism, Payload};
+use crate::mechanism::Mechanism;
 use crate::words::number;
-
-/// What a bench file is of.
-#[derive(Debug, Clone)]
-pub enum Subject {
-    /// One actuator.
-    Actuator(Box<Bench>),
-    /// The joints of a robot.
-    Robot(Box<RobotBench>),
-}
-
-/// A bench file of a whole robot, with its logs.
-#[derive(Debug, Clone)]
-pub struct RobotBench {
-    /// Name, by default the file's.
-    pub name: String,
-    /// The bench file.
-    pub path: PathBuf,
-    /// The catalogue that the declared motors come from.
-    pub catalog: Catalog,
-    /// The description, as the bench file names it.
-    pub model: String,
-    /// What it describes, without payloads.
-    pub mechanism: Mechanism,
-    /// Joints of the description that did not move, by their number, and where they were \[rad, m\].
-    pub fixed: Vec<(usize, f64)>,
-    /// The joints that are in the logs.
-    pub joints: Vec<RobotJoint>,
-    /// What the robot carried in each log.
-    pub carrying: Vec<Vec<Payload>>,
-    /// The files that it was read from, each with its hash.
-    pub files: Vec<InputFile>,
-}
-
-/// A joint of a robot with its part of the logs.
-#[derive(Debug, Clone)]
-pub struct RobotJoint {
-    /// What it is called.
-    pub name: String,
-    /// Its number in the description.
-    pub number: usize,
-    /// Its declared actuator; `None` of one that says only how it moves.
-    pub declared: Option<Declared>,
-    /// The logs, in the order of the file.
-    pub logs: Vec<Log>,
-}
 
 /// What identification says of a robot.
 #[derive(Debug, Clone)]
@@ -89,39 +42,6 @@ pub struct JointReport {
     pub declared: Option<(f64, Option<f64>)>,
     /// The reports; or why there is none.
     pub identified: Result<Vec<Identified>, String>,
-}
-
-/// A joint's bench as it is asked, and what was found in its logs.
-struct Prepared {
-    joint: usize,
-    bench: Bench,
-    findings: Vec<Finding>,
-}
-
-impl RobotBench {
-    /// The robot as it is described, with what it carried in a log.
-    fn carrying(&self, log: usize) -> Mechanism {
-        let mut mechanism = self.mechanism.clone();
-        for payload in &self.carrying[log] {
-            let known = mechanism.carry(payload);
-            debug_assert!(known, "the reader has asked for `{}`", payload.link);
-        }
-        mechanism
-    }
-
-    /// The bench of a joint, as if it were alone; `None` without an actuator.
-    fn bench(&self, joint: usize) -> Option<Bench> {
-        let RobotJoint { name, declared, logs, .. } = &self.joints[joint];
-        Some(Bench {
-            name: format!("{}, {name}", self.name),
-            path: self.path.clone(),
-            catalog: self.catalog.clone(),
-            declared: declared.clone()?,
-            logs: logs.clone(),
-            readings: Readings::default(),
-            files: self.files.clone(),
-        })
-    }
 }
 
 /// Identifies the joints of a robot: all that have an actuator, or one of them.

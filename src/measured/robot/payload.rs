@@ -5,9 +5,9 @@
 
 use nalgebra::Vector3;
 
+use super::bench::{Prepared, RobotBench};
 use super::courses::Course;
 use super::stacked::{Fit, Part, fit};
-use super::{Prepared, RobotBench};
 use crate::measured::identify::Options;
 use crate::mechanism::dynamics::{Moving, first_moments, per_mass};
 use crate::mechanism::{Mechanism, Place};

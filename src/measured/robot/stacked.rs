@@ -1,6 +1,6 @@
 //! The equations of all joints side by side: what each has of its own, and what they have in common.
 
-use super::Prepared;
+use super::bench::Prepared;
 use super::courses::Course;
 use crate::effects::{EFFECTS, of_efficiency};
 use crate::measured::answer::Base;

@@ -104,7 +104,7 @@ pub fn forward_check(bench: &Bench, report: &Report) -> Option<ForwardCheck> {
     if !tracks.iter().any(|t| t.fits) {
         return None;
     }
-    let is_voltage = all.iter().any(|t| t.input.is_voltage());
+    let is_voltage = Track::are_of_voltage(&all);
     let declared = declared_machine(&bench.declared, is_voltage);
     let moved = |m: &Machine| all.iter().all(|t| m.inertia + t.load_inertia > 0.0);
     let (machine, not_simulated) = fitted_machine(bench, report, is_voltage);

@@ -85,7 +85,7 @@ pub(super) fn scale(tracks: &[Track], machine: &Machine) -> Scale {
         }
         torques.push(t.load_gravity / n);
     }
-    let is_voltage = tracks.iter().any(|t| t.input.is_voltage());
+    let is_voltage = Track::are_of_voltage(tracks);
     let input = signals::quantile(inputs, 0.995).unwrap_or(0.0);
     let current = if is_voltage { input / machine.resistance } else { input };
     let torque = torques.into_iter().fold(machine.torque_constant * current, f64::max);

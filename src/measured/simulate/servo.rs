@@ -43,11 +43,6 @@ pub fn lacks_supply(bench: &Bench) -> bool {
     !serves(bench) && serves(&with)
 }
 
-/// Whether voltages drive the machine; where a torque is asked of the drive, currents do.
-fn is_voltage(all: &[Track]) -> bool {
-    all.iter().any(|t| t.input.is_voltage())
-}
-
 fn tracks(bench: &Bench) -> Vec<Track> {
     if bench.declared.motor.is_none() {
         return Vec::new();
@@ -69,7 +64,7 @@ pub fn identify_servo(bench: &Bench) -> Option<Report> {
     }
     let judges = Judges::new(&all);
     let everything: Vec<&Track> = all.iter().collect();
-    let machine = declared_machine(&bench.declared, is_voltage(&all));
+    let machine = declared_machine(&bench.declared, Track::are_of_voltage(&all));
     let scale = scale(&all, &machine);
     let declared = Model { machine, slots: Vec::new(), scale };
     let mut stages = vec![stage(Step::Declared, &everything, &declared)];

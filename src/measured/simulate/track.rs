@@ -243,6 +243,11 @@ impl Track {
         })
     }
 
+    /// Whether voltages drive the machine of these tracks; where a torque is asked of its drive, currents do.
+    pub fn are_of_voltage(all: &[Track]) -> bool {
+        all.iter().any(|t| t.input.is_voltage())
+    }
+
     /// The measured position with its missing samples bridged; nothing where there are fewer than two.
     pub fn path(&self) -> Vec<f64> {
         bridged(&self.time, &self.position, false).unwrap_or_default()

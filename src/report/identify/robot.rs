@@ -1,7 +1,7 @@
 //! What the logs of a whole robot say: of its masses first, then a line for each joint.
 
 use super::{heading_of_logs, listed, overall, short};
-use crate::measured::identify::Report;
+use crate::measured::identify::{Report, Verdict};
 use crate::measured::robot::{Asked, Carrier, JointReport, Named, PayloadAnswer, RobotBench, RobotReport};
 use crate::report::number;
 use crate::report::table::{Column, Table, paragraph};
@@ -123,7 +123,7 @@ pub fn joint_columns() -> Vec<Column> {
         Column::name("joint"),
         Column::name("motor").dropped(2),
         Column::number("declared", "N*m"),
-        Column::number("in the end", "N*m"),
+        Column::number("final", "N*m"),
         Column::name("on").dropped(1),
         Column::name("missing"),
         Column::name("verdict").dropped(3),
@@ -180,7 +180,15 @@ pub fn text(robot: &RobotBench, said: &Said) -> String {
 pub fn csv(robot: &RobotBench, said: &Said) -> String {
     let rows = said.joints().flat_map(|(joint, reports)| {
         let name = &robot.joints[joint.joint].name;
-        let of = reports.as_ref().map_or_else(|_| Vec::new(), |reports| super::csv_rows(&joint.bench, reports));
+        let of = match reports {
+            Ok(reports) => super::csv_rows(&joint.bench, reports),
+            Err(why) => {
+                let mut row = vec![String::new(); super::CSV.len()];
+                row[..3].clone_from_slice(&["all".into(), "verdict".into(), Verdict::NotResolved.word().into()]);
+                row[super::CSV.len() - 1].clone_from(why);
+                vec![row]
+            }
+        };
         of.into_iter().map(move |row| std::iter::once(name.clone()).chain(row).collect::<Vec<_>>())
     });
     let header: Vec<&str> = std::iter::once("joint").chain(super::CSV).collect();

@@ -458,7 +458,8 @@ fn six_lines(arguments: &[&str]) -> Vec<String> {
     let line = |subject: &str| text[at(subject)..].split("</li>").next().unwrap().replace("<li>", "");
     // The story, then pictures, then numbers.
     let after = &text[at("Next")..];
-    assert!(after.find("<svg") < after.find("declared parameters refitted"));
+    let (picture, numbers) = (after.find("<figure").unwrap(), after.find("declared parameters refitted").unwrap());
+    assert!(picture < numbers);
     subjects.map(line).to_vec()
 }
 

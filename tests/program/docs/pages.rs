@@ -215,5 +215,10 @@ fn benches_are_documented() {
         log(&format!("select = {{ column = \"t\", equals = \"0\", {NO} }}\nexclude = {{ from = \"1 s\", {NO} }}"))
     );
     let linear = format!("kind = \"linear\"\nactuator = {{ mass = \"1 kg\", {NO} }}\n{}", log(""));
-    compare(BENCH, &[ask(&rotary), ask(&pendulum), ask(&linear)]);
+    let robot = format!(
+        "kind = \"free\"\n[mechanism]\nmodel = \"arm.urdf\"\n{NO}\npayload = {{ link = \"a\", mass = \"1 kg\", {NO} }}\n\
+         [[joint]]\nmechanism_joint = \"b\"\n{NO}\n{}",
+        log(&format!("payload = {{ link = \"a\", mass = \"1 kg\" }}\n{NO}"))
+    );
+    compare(BENCH, &[ask(&rotary), ask(&pendulum), ask(&linear), ask(&robot)]);
 }

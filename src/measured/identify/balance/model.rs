@@ -34,3 +34,14 @@ impl Model {
         }
     }
 }
+
+/// A load that nobody declared, as it was fitted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Weight {
+    /// Sine over the angle of the output \[N·m at the motor\].
+    pub sine: f64,
+    /// Cosine.
+    pub cosine: f64,
+    /// Its inertia \[kg·m² at the motor\]: what is there beyond that of rotor and gear.
+    pub inertia: f64,
+}

@@ -1,7 +1,7 @@
 //! One stretch of a log, brought to the numbers of one equation.
 
 use super::grid::Gridded;
-use super::model::Model;
+use super::model::{Model, Weight};
 use super::motion::{Motion, motion};
 use super::targets::{Balanced, Seen};
 use crate::effects::Operating;
@@ -26,17 +26,6 @@ pub struct Corrections {
     pub gear_loss: f64,
     /// A load that was fitted, where none is known: it is what the gear transmits.
     pub weight: Option<Weight>,
-}
-
-/// A load that nobody declared, as it was fitted.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Weight {
-    /// Sine over the angle of the output \[N·m at the motor\].
-    pub sine: f64,
-    /// Cosine.
-    pub cosine: f64,
-    /// Its inertia \[kg·m² at the motor\]: what is there beyond that of rotor and gear.
-    pub inertia: f64,
 }
 
 impl Corrections {

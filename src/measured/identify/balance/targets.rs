@@ -7,9 +7,8 @@ mod voltage;
 mod wind_up;
 
 use super::grid::Gridded;
-use super::model::Model;
+use super::model::{Model, Weight};
 use super::motion::Motion;
-use super::stretch::Weight;
 use crate::effects::Variable;
 use crate::measured::answer::{Base, Target};
 use crate::measured::identify::noise::Reading;

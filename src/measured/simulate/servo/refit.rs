@@ -35,7 +35,7 @@ fn refit_from(start: Model, declared: &Model, judges: &Judges, all: &[Track], be
     }
     model.slots.push(Slot::Inertia);
     // Beside a current there is no back-EMF that damps.
-    if super::is_voltage(all) {
+    if Track::are_of_voltage(all) {
         model.slots.push(Slot::Damping);
     }
     for (t, term) in model.machine.terms.iter().enumerate() {

@@ -91,7 +91,7 @@ pub(super) fn report(
     // One that is not seen beside its error stays in the fit for the errors' sake, and is not told.
     let is_seen = deviation("lag").is_some_and(|e| model.machine.lag > 3.0 * e);
     if added.contains(&Candidate::Lag) && is_seen {
-        let channel = if super::is_voltage(all) { "duty" } else { "torque" };
+        let channel = if Track::are_of_voltage(all) { "duty" } else { "torque" };
         artefacts.push(Report::lag(channel, model.machine.lag));
     }
     let floor = noise(all);
@@ -130,7 +130,7 @@ pub(super) fn report(
 fn remarks(all: &[Track], judges: &Judges, bench: &Bench) -> Vec<String> {
     let closed = all.iter().any(|t| matches!(t.input, Input::Goal { .. }));
     let how = if closed { "the goal through the declared controller" } else { "the logged duty cycle" };
-    let means = match super::is_voltage(all) {
+    let means = match Track::are_of_voltage(all) {
         true => "K_T means K_T/R: only that is identifiable",
         false => "the drive makes the torque of its law by the declared torque constant",
     };

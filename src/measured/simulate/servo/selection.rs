@@ -202,8 +202,8 @@ pub(super) fn candidates(all: &[Track], without: &[&'static dyn Effect], refused
         let of_voltage = effect.acts_on() == Equation::Voltage;
         let why = match (effect.hidden(&view), effect.rank_in_position()) {
             _ if without.contains(effect) => Hidden::LeftOut,
-            _ if of_voltage && !super::is_voltage(all) => {
-                Hidden::Bench("the drive is asked for torque: what a voltage does is not seen")
+            _ if of_voltage && !Track::are_of_voltage(all) => {
+                Hidden::Bench("the drive is asked for torque: what a voltage does is not identifiable")
             }
             (Some(why), _) => Hidden::Bench(why),
             (None, Some(rank)) => {
