@@ -119,6 +119,8 @@ impl Named {
 struct Candidate {
     carrier: Carrier,
     place: Place,
+    /// The most that may be too much there (less than zero), and the most that may be missing \[kg\].
+    bounds: [f64; 2],
     columns: Vec<Vec<f64>>,
 }
 
@@ -162,11 +164,14 @@ impl Question<'_> {
         let place = |moving: usize| {
             let members = || (0..mechanism.bodies.len()).filter(|b| carrier_of(*b) == Some(moving));
             let payloads = || self.robot.carrying.iter().flatten();
+            let hung = payloads().filter(|p| mechanism.body(&p.link).is_some_and(|b| members().any(|m| m == b)));
+            let described = members().map(|b| mechanism.bodies[b].inertia.mass).sum::<f64>()
+                + hung.map(|p| p.mass).fold(0.0, f64::max);
             let of = payloads()
                 .find_map(|p| Some((p, mechanism.body(&p.link)?)).filter(|(_, b)| members().any(|m| m == *b)));
             if let Some((payload, body)) = of {
                 let carrier = Carrier { link: payload.link.clone(), has_payload: true };
-                return Some((carrier, Place { body, at: Vector3::from(payload.at) }));
+                return Some((carrier, Place { body, at: Vector3::from(payload.at) }, described));
             }
             let heaviest = members().max_by(|a, b| {
                 let mass = |b: usize| mechanism.bodies[b].inertia.mass;
@@ -175,13 +180,15 @@ impl Question<'_> {
             let body = &mechanism.bodies[heaviest];
             let link = members().find_map(|b| mechanism.bodies[b].name.clone())?;
             let link = body.name.clone().unwrap_or(link);
-            Some((Carrier { link, has_payload: false }, Place { body: heaviest, at: body.inertia.centre }))
+            Some((Carrier { link, has_payload: false }, Place { body: heaviest, at: body.inertia.centre }, described))
         };
+        let heaviest = self.robot.carrying.iter().flatten().map(|p| p.mass).fold(0.0, f64::max);
+        let whole = mechanism.mass() + heaviest;
         let places = mechanism.moving().into_iter().filter_map(place);
-        let candidate = |(carrier, place): (Carrier, Place)| {
+        let candidate = |(carrier, place, described): (Carrier, Place, f64)| {
             let columns = self.of_place(place);
             let felt = columns.iter().flatten().any(|v| *v != 0.0);
-            felt.then_some(Candidate { carrier, place, columns })
+            felt.then_some(Candidate { carrier, place, bounds: [-described, whole], columns })
         };
         places.filter_map(candidate).collect()
     }
@@ -237,12 +244,17 @@ impl Question<'_> {
         let fits: Vec<Fit> =
             candidates.iter().map(|c| fit(&parts, &[c.columns.iter().map(Vec::as_slice).collect()], false)).collect();
         let least = |a: &usize, b: &usize| fits[*a].left().total_cmp(&fits[*b].left());
-        let Some(best) = (0..fits.len()).min_by(least) else { return PayloadAnswer::NotAsked };
+        // No link weighs less than nothing, nor more than the robot.
+        let may_be =
+            |candidate: &Candidate, fit: &Fit| (candidate.bounds[0]..=candidate.bounds[1]).contains(&fit.shared[0]);
+        let best = (0..fits.len()).filter(|k| may_be(&candidates[*k], &fits[*k])).min_by(least);
         let end = candidates.len() - 1;
         let felt =
             Felt { carrier: candidates[end].carrier.clone(), mass: fits[end].shared[0], error: fits[end].error[0] };
+        let Some(best) = best else { return PayloadAnswer::Enough(felt) };
         // A place that differs from the declared one is worth it only where it is surely better.
-        let placed: Vec<Option<(Candidate, Fit)>> = candidates.iter().map(|c| self.placed(c)).collect();
+        let placed: Vec<Option<(Candidate, Fit)>> =
+            candidates.iter().map(|c| self.placed(c).filter(|(c, fit)| may_be(c, fit))).collect();
         let least = |a: &usize, b: &usize| {
             let left = |k: usize| placed[k].as_ref().map_or(f64::INFINITY, |(_, fit)| fit.left());
             left(*a).total_cmp(&left(*b))
@@ -263,7 +275,7 @@ impl Question<'_> {
         }
         let is_sure = paired(&without.left_out, &own.left_out) > SURE;
         // Others of the same kind that are not surely worse.
-        let others = (0..candidates.len()).filter(|k| *k != index).filter(|k| {
+        let others = (0..candidates.len()).filter(|k| *k != index && may_be(&candidates[*k], &fits[*k])).filter(|k| {
             let other = match (&freest, &placed[*k]) {
                 (Some(_), Some((_, fit))) => fit,
                 (Some(_), None) => return false,
@@ -349,7 +361,8 @@ impl Question<'_> {
                 let place = Place { body, at: next };
                 let columns = self.of_place(place);
                 let again = fit(&parts, &[columns.iter().map(Vec::as_slice).collect()], false);
-                return Some((Candidate { carrier: candidate.carrier.clone(), place, columns }, again));
+                let Candidate { carrier, bounds, .. } = candidate;
+                return Some((Candidate { carrier: carrier.clone(), place, bounds: *bounds, columns }, again));
             }
             at = next;
         }

@@ -2,7 +2,7 @@
 
 use super::{Page, Part, Section, Table, Verdict, group_of};
 use crate::measured::robot::RobotBench;
-use crate::report::identify::robot::{Said, joint_columns, joint_rows, payload};
+use crate::report::identify::robot::{Said, joint_columns, joint_rows, masses};
 use crate::report::identify::short;
 use crate::report::plot::residual as plot;
 
@@ -28,6 +28,7 @@ pub fn page(robot: &RobotBench, said: &Said) -> Page {
             Err(why) => warnings.push(format!("{name}: nothing can be learnt: {why}")),
         }
     }
+    let (headline, rests_on) = masses(robot, said.payload);
     let asked = "What the models of these actuators lack, by logs of the whole robot; the load of each joint is computed from the \
                  description and the motion of all joints.";
     Page {
@@ -35,8 +36,8 @@ pub fn page(robot: &RobotBench, said: &Said) -> Page {
         title: format!("{}: joints of {}", robot.name, robot.model),
         verdict: Verdict::Information,
         asked: vec![Part::Text(asked.into())],
-        headline: payload(robot, said.payload),
-        summary: vec![Part::List(lines)],
+        headline,
+        summary: rests_on.map(Part::Text).into_iter().chain([Part::List(lines)]).collect(),
         sections,
         warnings,
         ..Page::default()

@@ -38,15 +38,27 @@ fn carrier(carrier: &Carrier) -> String {
 
 /// Whether the masses are enough, in sentences.
 pub fn payload(robot: &RobotBench, answer: &PayloadAnswer) -> String {
+    match masses(robot, answer) {
+        (head, None) => head,
+        (head, Some(more)) => format!("{head} {more}"),
+    }
+}
+
+/// Whether the masses are enough in one sentence, and what that rests on.
+pub fn masses(robot: &RobotBench, answer: &PayloadAnswer) -> (String, Option<String>) {
     match answer {
         PayloadAnswer::NotAsked => {
-            "Masses were not asked for: no joint with a current carries a part of the robot in these logs.".into()
+            let why = "Masses were not asked for: no joint with a current carries a part of the robot in these logs.";
+            (why.into(), None)
         }
-        PayloadAnswer::Enough(felt) => format!(
-            "No mass was found that the description lacks: at `{}` the logs want {} kg more (95 %).",
-            felt.carrier.link,
-            within(felt.mass, felt.error)
-        ),
+        PayloadAnswer::Enough(felt) => {
+            let head = format!(
+                "No mass beyond the description was found; at `{}` the logs suit {} kg more best (95 %).",
+                felt.carrier.link,
+                within(felt.mass, felt.error)
+            );
+            (head, None)
+        }
         PayloadAnswer::Named(named) => {
             let what = match named.carriers.as_slice() {
                 [one] => format!("{} is not as declared", carrier(one)),
@@ -55,13 +67,8 @@ pub fn payload(robot: &RobotBench, answer: &PayloadAnswer) -> String {
                     all.iter().map(carrier).collect::<Vec<_>>().join(", or ")
                 ),
             };
-            format!(
-                "{}{}: the logs want {}. {} The joints are compared with it.",
-                what[..1].to_uppercase(),
-                &what[1..],
-                mass(named),
-                witnesses(robot, named)
-            )
+            let head = format!("{}{}: the logs want {}.", what[..1].to_uppercase(), &what[1..], mass(named));
+            (head, Some(format!("{} The joints are compared with it.", witnesses(robot, named))))
         }
         PayloadAnswer::Open(named, why) => {
             let links: Vec<String> = named.carriers.iter().map(|c| format!("`{}`", c.link)).collect();
@@ -77,12 +84,12 @@ pub fn payload(robot: &RobotBench, answer: &PayloadAnswer) -> String {
                 }
                 Asked::Disagree => "the joints ask for different masses, so that it is no single mass",
             };
-            format!(
-                "A mass at {} would lower the error ({}), but is not certain: {why}. {} The joints are compared without it.",
+            let head = format!(
+                "A mass at {} would lower the error ({}), but is not certain: {why}.",
                 listed(&links),
-                mass(named),
-                witnesses(robot, named)
-            )
+                mass(named)
+            );
+            (head, Some(format!("{} The joints are compared without it.", witnesses(robot, named))))
         }
     }
 }

@@ -147,8 +147,10 @@ fn score_of_masses() {
                 _ => {}
             }
             println!("{seed} {kind}: {:?}", report.payload);
-            for (j, reports) in reports(&report).iter().enumerate() {
-                let coulomb = value(reports, "coulomb_friction").unwrap_or(0.0);
+            for joint in &report.joints {
+                let j = joint.joint;
+                let reports: Vec<Report> = joint.identified.iter().flatten().map(|i| i.report.clone()).collect();
+                let coulomb = value(&reports, "coulomb_friction").unwrap_or(0.0);
                 friction.0 += i32::from((coulomb / arm.drives[j].coulomb - 1.0).abs() < 0.2);
                 friction.1 += 1;
             }
