@@ -145,6 +145,8 @@ pub struct Evidence {
     pub together: Option<Gain>,
     /// What a model with effects whose values are not believed would leave, where that is surely less \[unit\].
     pub better: Option<f64>,
+    /// Whether the final model is surely no better than the declared one: what was held out is further off with it.
+    pub worse_held_out: bool,
     /// Whether refitting the declared parameters made the left-out error worse.
     pub worse_by_refitting: bool,
     /// The channel that is explained, where no log has it moving.
@@ -220,7 +222,7 @@ pub fn verdict(evidence: &Evidence) -> Verdict {
     match (evidence.unexplained, evidence.found) {
         _ if evidence.teaches_nothing() || evidence.is_below_the_noise() => Verdict::NotResolved,
         (1.., _) => Verdict::UnexplainedStructure,
-        _ if evidence.better.is_some() => Verdict::NotResolved,
+        _ if evidence.better.is_some() || evidence.worse_held_out => Verdict::NotResolved,
         (0, 1..) => Verdict::Explained,
         _ if !bounded || evidence.owned => Verdict::NotResolved,
         _ if evidence.left_out == 0

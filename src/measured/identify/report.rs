@@ -148,6 +148,7 @@ pub fn report(
         worse_by_refitting: refitting.is_harm(),
         contradicted: false,
         owned: false,
+        worse_held_out: false,
         left_out: work.bench.declared.without.len(),
         dead: channel.filter(|channel| work.bench.is_dead(*channel)),
         unrelated: channel.is_some() && Evidence::does_not_follow(accounted.0, accounted.1, explains),

@@ -189,8 +189,14 @@ fn read_joint(
     let wanted = table.is_some();
     let (declared, frame) = table.and_then(|table| actuator::read(table, catalog, false, Purpose::Identify)).unzip();
     let complete = frame.is_some() == wanted && name.is_some();
+    // Of a joint without an actuator only its motion counts; of one that slides, what is in common has other units.
+    let moves_only = Frame { torque_constant: Some(1.0), ..Frame::unknown(false) };
+    let of_all = frame.as_ref().unwrap_or(&moves_only);
+    let (mut common, whole) = root.section(COLUMNS).map_or((Vec::new(), true), |table| columns::read(table, of_all));
+    if frame.is_none() {
+        common.retain(|c| c.target == Target::Time || !slides && is_motion(c));
+    }
     let frame = frame.unwrap_or(Frame::unknown(slides));
-    let (common, whole) = root.section(COLUMNS).map_or((Vec::new(), true), |table| columns::read(table, &frame));
     let (own, all) = section
         .section(key("columns", "of this joint, over the common ones"))
         .map_or((Vec::new(), true), |table| columns::read(table, &frame));
@@ -203,6 +209,13 @@ fn read_joint(
     let title = title.map_or_else(|| name.clone(), Spanned::into_inner);
     let joint = RobotJoint { name: title, number: found?.0, declared, logs: Vec::new() };
     Some(Reading { joint, frame, columns, complete: complete && whole && all })
+}
+
+/// Whether a column says how a joint moves.
+fn is_motion(column: &Column) -> bool {
+    use Channel::*;
+    let motion = [MotorPosition, MotorVelocity, OutputPosition, OutputVelocity];
+    matches!(column.target, Target::Channel(channel) if motion.contains(&channel))
 }
 
 fn find(section: &Section, name: &Spanned<String>, robot: &Described) -> Option<(usize, Motion)> {

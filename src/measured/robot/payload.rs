@@ -15,6 +15,10 @@ use crate::numerics::sums::paired;
 
 /// Least share of the left-out squared error that a mass must take away to be worth a name.
 const WORTH: f64 = 0.04;
+/// Least share that it must take away to be the explanation: what leaves more is not explained by it.
+const EXPLAINS: f64 = 0.7;
+/// The furthest that it may be from the origin of its link, in lengths of the robot.
+const FAR: f64 = 0.5;
 /// Standard errors between blocks by which it must, of a dozen that are asked.
 const SURE: f64 = 3.0;
 /// Standard errors by which another explanation must be worse not to be named as well.
@@ -88,6 +92,8 @@ pub enum Asked {
     Disagree,
     /// What it takes away scatters too much between stretches of the logs.
     Scatters,
+    /// Much is left beside it.
+    LeavesMuch,
 }
 
 /// Whether the masses of the description are enough.
@@ -237,6 +243,11 @@ impl Question<'_> {
         })
     }
 
+    /// The length of the robot \[m\]: of all its bodies, one after the other.
+    fn reach(&self) -> f64 {
+        self.robot.mechanism.bodies.iter().map(|b| b.placement.translation.vector.norm()).sum()
+    }
+
     fn answer(&self, candidates: &[Candidate]) -> PayloadAnswer {
         let parts = self.all();
         let without = fit(&parts, &[], false);
@@ -285,10 +296,13 @@ impl Question<'_> {
         });
         let carriers = std::iter::once(index).chain(others).map(|k| candidates[k].carrier.clone()).collect();
         let witnesses = self.witnesses(candidate, own.shared[0]);
+        // What torque constants that are off by a factor would make of it is not known any better.
+        let columns: Vec<&[f64]> = candidate.columns.iter().map(Vec::as_slice).collect();
+        let beside_scales = fit(&parts, &[columns], true).shared[0];
         let named = Named {
             carriers,
             mass: own.shared[0],
-            error: own.error[0],
+            error: own.error[0].max((beside_scales - own.shared[0]).abs()),
             at: candidate.place.at.into(),
             is_place_fitted: freest.is_some(),
             gain,
@@ -304,6 +318,8 @@ impl Question<'_> {
             Some(Asked::Scales)
         } else if !is_sure {
             Some(Asked::Scatters)
+        } else if gain < EXPLAINS {
+            Some(Asked::LeavesMuch)
         } else {
             None
         };
@@ -354,7 +370,7 @@ impl Question<'_> {
                 return None;
             }
             let next = Vector3::new(found.shared[1], found.shared[2], found.shared[3]) / mass;
-            if !next.iter().all(|v| v.is_finite()) {
+            if !next.iter().all(|v| v.is_finite()) || next.norm() > FAR * self.reach() {
                 return None;
             }
             if round == ROUNDS || (next - at).norm() < 1e-4 {

@@ -3,6 +3,7 @@
 use super::bench::Prepared;
 use super::courses::Course;
 use crate::effects::{EFFECTS, of_efficiency};
+use crate::measured::Bench;
 use crate::measured::answer::Base;
 use crate::measured::identify::balance::visible;
 use crate::measured::identify::regression::{Blocks, Rows, covariance, solve};
@@ -60,9 +61,7 @@ impl Part {
         let bench = &prepared.bench;
         let setting = Setting { rows: ROWS, ..Setting::uncorrected(bench, options.band) };
         let balance = Balance::new(bench, Target::Drive, &setting)?;
-        // What holds a joint that rests may be its friction.
-        let moving = balance.variable(false, |p| p.direction.abs());
-        if moving.iter().filter(|d| **d > 0.5).count() * 2 < moving.len() {
+        if is_at_rest(&balance) {
             return None;
         }
         let scale = balance.base.iter().position(|b| b.which == Base::LoadScale)?;
@@ -113,6 +112,18 @@ impl Part {
         };
         self.balance.rows.block_fits.iter().map(fold).collect()
     }
+}
+
+/// Whether most rows of a balance are at rest: what holds the joint there may be its friction.
+fn is_at_rest(balance: &Balance) -> bool {
+    let moving = balance.variable(false, |p| p.direction.abs());
+    moving.iter().filter(|d| **d > 0.5).count() * 2 < moving.len()
+}
+
+/// Whether a joint rests in most of its logs.
+pub(super) fn rests(bench: &Bench, options: &Options) -> bool {
+    let setting = Setting { rows: ROWS, ..Setting::uncorrected(bench, options.band) };
+    Balance::new(bench, Target::Drive, &setting).is_some_and(|balance| is_at_rest(&balance))
 }
 
 /// Fits parts with what they have in common; where `scales`, with a scale of each one's load.

@@ -2,7 +2,7 @@
 
 use super::{Page, Part, Section, Table, Verdict, group_of};
 use crate::measured::robot::RobotBench;
-use crate::report::identify::robot::{Said, joint_columns, joint_rows, masses};
+use crate::report::identify::robot::{Said, joint_columns, joint_rows, masses, of_weight};
 use crate::report::identify::short;
 use crate::report::plot::residual as plot;
 
@@ -17,7 +17,7 @@ pub fn page(robot: &RobotBench, said: &Said) -> Page {
         let name = &robot.joints[joint.joint].name;
         match reports {
             Ok(reports) => {
-                lines.push(format!("{name}: {}", short(&joint.bench, reports)));
+                lines.push(format!("{name}: {}{}", short(&joint.bench, reports), of_weight(reports)));
                 let figure = plot::figure(&joint.bench, reports);
                 let mut parts: Vec<Part> = (0..reports.len()).filter_map(|k| group_of(&figure, k)).collect();
                 parts.extend(reports.iter().flat_map(|report| super::identify::equation(&joint.bench, report).parts));

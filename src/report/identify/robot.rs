@@ -79,17 +79,28 @@ pub fn masses(robot: &RobotBench, answer: &PayloadAnswer) -> (String, Option<Str
                 Asked::OneJoint => {
                     "fewer than two joints feel it, and one joint's own torque may be off: move more joints that carry it"
                 }
+                Asked::LeavesMuch => {
+                    "much of the error is left beside it: a sign, a zero of an angle, the direction of gravity or a length of the description may be wrong"
+                }
                 Asked::Scatters => {
                     "what it takes away scatters too much between stretches of the logs: a longer run would show more"
                 }
-                Asked::Disagree => "the joints ask for different masses, so that it is no single mass",
+                Asked::Disagree => {
+                    "alone the joints ask for different masses there: it is no single mass at that place"
+                }
             };
             let head = format!(
                 "A mass at {} would lower the error ({}), but is not certain: {why}.",
                 listed(&links),
                 mass(named)
             );
-            (head, Some(format!("{} The joints are compared without it.", witnesses(robot, named))))
+            (
+                head,
+                Some(format!(
+                    "{} The joints are compared without it: their torque constants, and effects that follow the load, may be that mass.",
+                    witnesses(robot, named)
+                )),
+            )
         }
     }
 }
@@ -163,6 +174,14 @@ fn row(robot: &RobotBench, joint: &JointReport, reports: &Result<Vec<Report>, St
     vec![name, motor, from, to, on.into(), missing, overall(reports).word().into()]
 }
 
+/// What else a weight may be that the description lacks.
+pub fn of_weight(reports: &[Report]) -> &'static str {
+    match reports.iter().flat_map(|r| &r.effects).any(|e| e.effect.is_weight()) {
+        true => " Gravity beyond the description may be a zero of an angle, the direction of gravity, or a mass.",
+        false => "",
+    }
+}
+
 /// For people.
 pub fn text(robot: &RobotBench, said: &Said) -> String {
     let actuators = robot.joints.iter().filter(|j| j.declared.is_some()).count();
@@ -174,7 +193,7 @@ pub fn text(robot: &RobotBench, said: &Said) -> String {
     for (joint, reports) in said.joints() {
         let name = &robot.joints[joint.joint].name;
         let line = match reports {
-            Ok(reports) => short(&joint.bench, reports),
+            Ok(reports) => format!("{}{}", short(&joint.bench, reports), of_weight(reports)),
             Err(why) => format!("Nothing can be learnt: {why}."),
         };
         out.push_str(&format!("\n{}", paragraph(&format!("{name}: {line}"), 0, 2)));
@@ -185,7 +204,7 @@ pub fn text(robot: &RobotBench, said: &Said) -> String {
 
 /// For programs: the rows of every joint, with its name in front.
 pub fn csv(robot: &RobotBench, said: &Said) -> String {
-    let rows = said.joints().flat_map(|(joint, reports)| {
+    let rows = std::iter::once(mass_row(robot, said.payload)).chain(said.joints().flat_map(|(joint, reports)| {
         let name = &robot.joints[joint.joint].name;
         let of = match reports {
             Ok(reports) => super::csv_rows(&joint.bench, reports),
@@ -197,7 +216,25 @@ pub fn csv(robot: &RobotBench, said: &Said) -> String {
             }
         };
         of.into_iter().map(move |row| std::iter::once(name.clone()).chain(row).collect::<Vec<_>>())
-    });
+    }));
     let header: Vec<&str> = std::iter::once("joint").chain(super::CSV).collect();
     crate::report::csv_text(&header, rows)
+}
+
+/// The answer about masses as a row.
+fn mass_row(robot: &RobotBench, answer: &PayloadAnswer) -> Vec<String> {
+    let (link, value) = match answer {
+        PayloadAnswer::NotAsked => (None, None),
+        PayloadAnswer::Enough(felt) => (Some(&felt.carrier.link), Some((felt.mass, felt.error))),
+        PayloadAnswer::Open(named, _) | PayloadAnswer::Named(named) => {
+            (named.carriers.first().map(|c| &c.link), Some((named.mass, named.error)))
+        }
+    };
+    let mut row = vec![String::new(); 1 + super::CSV.len()];
+    row[1..4].clone_from_slice(&["all".into(), "mass".into(), link.cloned().unwrap_or_default()]);
+    row[5] = crate::report::csv_number(value.map(|v| v.0));
+    row[6] = crate::report::csv_number(value.map(|v| v.1));
+    row[12] = value.map_or_else(String::new, |_| "kg".into());
+    row[13] = payload(robot, answer);
+    row
 }

@@ -29,7 +29,7 @@ pub struct Payload<'a> {
     pub sentence: String,
     /// `not_asked`, `enough`, `open` (a mass would lower the error, and something else may be it) or `named`.
     pub verdict: &'static str,
-    /// Why it is open: `scales`, `one_joint`, `disagree` or `scatters`.
+    /// Why it is open: `scales`, `one_joint`, `disagree`, `scatters` or `leaves_much`.
     pub open_because: Option<&'static str>,
     /// Links that it may be at; the first suits best.
     pub links: Vec<&'a str>,
@@ -121,6 +121,7 @@ impl<'a> Payload<'a> {
                     fact::Asked::OneJoint => "one_joint",
                     fact::Asked::Disagree => "disagree",
                     fact::Asked::Scatters => "scatters",
+                    fact::Asked::LeavesMuch => "leaves_much",
                 }),
                 _ => None,
             },

@@ -100,6 +100,31 @@ fn what_is_no_mass_is_not_called_one() {
     alone.declared_payload = None;
     let report = run(&alone);
     assert!(matches!(report.payload, PayloadAnswer::Open(_, Asked::OneJoint)), "{:?}", report.payload);
+    // Of the joints that rest nothing is said: friction may hold them.
+    for (j, joint) in report.joints.iter().enumerate() {
+        assert_eq!(joint.identified.is_ok(), j == 1, "{j}: {:?}", joint.identified.as_ref().err());
+    }
+}
+
+/// A joint whose sense is turned against the description, angle and current alike: that is no mass.
+#[test]
+fn a_joint_that_turns_the_other_way_is_no_mass() {
+    for (seed, joint) in [(31, "forearm"), (32, "upper_arm"), (33, "wrist_1")] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = Arm::new(seed).write(folder.path(), 1);
+        let text = std::fs::read_to_string(&path).expect("the bench file");
+        let own = format!("name = \"{joint}\"\n");
+        let columns = format!(
+            "{own}columns = {{ position = {{ name = \"q_{{joint}}\", unit = \"rad\", side = \"output\", sign = -1 }}, \
+             current = {{ name = \"i_{{joint}}\", unit = \"A\", convention = \"q_axis\", sign = -1 }} }}\n"
+        );
+        std::fs::write(&path, text.replacen(&own, &columns, 1)).expect("the bench file");
+        let Subject::Robot(robot) = read_subject(&path, None).unwrap_or_else(|e| panic!("{}", e[0])) else {
+            panic!("a robot")
+        };
+        let report = identify(&robot, &Options::default(), None).unwrap_or_else(|e| panic!("{e}"));
+        assert!(!matches!(report.payload, PayloadAnswer::Named(_)), "{joint}: {:?}", report.payload);
+    }
 }
 
 /// A link in the middle that is heavier than described is not the payload.

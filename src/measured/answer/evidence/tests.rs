@@ -31,6 +31,7 @@ fn clean() -> Evidence {
         contradicted: false,
         owned: false,
         left_out: 0,
+        worse_held_out: false,
         dead: None,
         unrelated: false,
         still: false,
@@ -69,6 +70,9 @@ fn nothing_is_missing_only_where_everything_shows_it() {
     // Something stands above the band; refitting did harm.
     assert_eq!(with(|e| e.noise.line = Some(50.0)), Verdict::NoneOfThese);
     assert_eq!(with(|e| e.worse_by_refitting = true), Verdict::NoneOfThese);
+    // What is ruled out beforehand is not asked, and a model that judges worse than the declared one says nothing.
+    assert_eq!(with(|e| e.left_out = 1), Verdict::NoneOfThese);
+    assert_eq!(with(|e| (e.found, e.worse_held_out) = (1, true)), Verdict::NotResolved);
     // What owned the error and was left out is not explained.
     assert_eq!(with(|e| e.owned = true), Verdict::NotResolved);
     // An effect alone, or all together, could still take away more than 3 %; or that was not tried.

@@ -11,6 +11,8 @@ use crate::measured::simulate::model::{Model, Slot, error};
 use crate::measured::simulate::track::{Input, Track};
 use crate::measured::{Bench, Use};
 
+/// What was held out may be so many times as far off as with the declared model.
+const WORSE: f64 = 1.1;
 /// Most rows of the pictures.
 const ROWS: usize = 24_000;
 
@@ -96,7 +98,10 @@ pub(super) fn report(
     }
     let floor = noise(all);
     let unexplained = left(judges, &model.residuals(&judges.fit), floor);
-    let evidence = Evidence::unbounded(effects.len(), unexplained.len(), judges.error(&now));
+    let declared_held = stages.first().and_then(|s| s.held_out);
+    let worse_held_out = held_after.zip(declared_held).is_some_and(|(after, before)| after > WORSE * before);
+    let unbounded = Evidence::unbounded(effects.len(), unexplained.len(), judges.error(&now));
+    let evidence = Evidence { worse_held_out, ..unbounded };
     let next_runs = effects
         .iter()
         .flat_map(|e| e.confounded_with.iter().map(move |rival| (e.effect, *rival)))
