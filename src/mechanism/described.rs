@@ -17,8 +17,10 @@ pub(crate) struct Described {
     /// The tree of bodies, payloads on it.
     pub mechanism: Mechanism,
     /// The same without them.
+    #[cfg_attr(not(feature = "measured"), expect(dead_code, reason = "logs of whole robots take it"))]
     pub bare: Mechanism,
     /// The payloads.
+    #[cfg_attr(not(feature = "measured"), expect(dead_code, reason = "logs of whole robots take them"))]
     pub payloads: Vec<Payload>,
 }
 
