@@ -80,7 +80,7 @@ pub fn masses(robot: &RobotBench, answer: &PayloadAnswer) -> (String, Option<Str
                     "fewer than two joints feel it, and one joint's own torque may be off: move more joints that carry it"
                 }
                 Asked::LeavesMuch => {
-                    "much of the error is left beside it: a sign, a zero of an angle, the direction of gravity or a length of the description may be wrong"
+                    "much of the error is left with it: a sign, a zero of an angle, the direction of gravity or a length of the description may be wrong"
                 }
                 Asked::Scatters => {
                     "what it takes away scatters too much between stretches of the logs: a longer run would show more"
