@@ -163,34 +163,50 @@ pub fn per_mass(mechanism: &Mechanism, moving: &[Moving], place: Place) -> Vec<(
     on_the_way.into_iter().filter_map(|(b, t)| Some((numbers.binary_search(&b).ok()?, t))).collect()
 }
 
-/// What a kilogram at the origin of a body asks of the joints that carry it \[N·m/kg\], and what a first moment along each of its
-/// axes does \[N·m/(kg·m)\], each joint by its number: torques are linear in both. The inertia about the origin is left out.
-pub fn first_moments(mechanism: &Mechanism, moving: &[Moving], body: usize) -> Vec<(usize, [f64; 4])> {
+/// What a body's ten inertial parameters ask of the joints that carry it, each joint by its number: torques are linear in them
+/// (C. G. Atkeson, C. H. An and J. M. Hollerbach, *Int. J. Robotics Research* 5(3), 1986). In order, in the body's axes: its mass
+/// \[N·m/kg\], its three first moments \[N·m/(kg·m)\], and its inertia about the origin of its frame, xx, yy, zz, xy, xz, yz
+/// \[N·m/(kg·m²)\]; N in place of N·m where a joint slides.
+pub fn regressor(mechanism: &Mechanism, moving: &[Moving], body: usize) -> Vec<(usize, [f64; 10])> {
     let here = &moving[body];
     let origin = here.pose.translation.vector;
-    // Force, and moment about the body's origin, of each of the four.
-    let mut asked = [(here.acceleration, Vector3::zeros()); 4];
-    for (axis, asked) in asked.iter_mut().skip(1).enumerate() {
-        let e = here.pose.rotation * Vector3::ith(axis, 1.0);
-        let force = here.spinning_up.cross(&e) + here.turning.cross(&here.turning.cross(&e));
-        *asked = (force, e.cross(&here.acceleration));
+    let axes = [0, 1, 2].map(|axis| here.pose.rotation * Vector3::ith(axis, 1.0));
+    let turned = |e: &Vector3<f64>| here.spinning_up.cross(e) + here.turning.cross(&here.turning.cross(e));
+    // Moment of a unit of inertia along e eᵀ: H ω̇ + ω × H ω.
+    let spun = |e: &Vector3<f64>, f: &Vector3<f64>| {
+        e * f.dot(&here.spinning_up) + here.turning.cross(e) * f.dot(&here.turning)
+    };
+    // Force, and moment about the body's origin, of each of the ten.
+    let mut asked = [(here.acceleration, Vector3::zeros()); 10];
+    for (k, e) in axes.iter().enumerate() {
+        asked[1 + k] = (turned(e), e.cross(&here.acceleration));
+        asked[4 + k] = (Vector3::zeros(), spun(e, e));
     }
-    let mut on_the_way = Vec::new();
-    let mut at = Some(body);
-    while let Some(b) = at {
-        if let Some(joint) = &mechanism.bodies[b].joint {
+    for (k, (i, j)) in [(0, 1), (0, 2), (1, 2)].into_iter().enumerate() {
+        asked[7 + k] = (Vector3::zeros(), spun(&axes[i], &axes[j]) + spun(&axes[j], &axes[i]));
+    }
+    let on_the_way = std::iter::successors(Some(body), |b| mechanism.bodies[*b].parent);
+    let numbers = mechanism.moving();
+    let mut of_joints: Vec<(usize, [f64; 10])> = on_the_way
+        .filter_map(|b| {
+            let joint = mechanism.bodies[b].joint.as_ref()?;
             let arm = origin - moving[b].pose.translation.vector;
             let torque = |(force, moment): (Vector3<f64>, Vector3<f64>)| {
                 let whole = if joint.motion == Motion::Turns { moment + arm.cross(&force) } else { force };
                 moving[b].axis.dot(&whole)
             };
-            on_the_way.push((b, asked.map(torque)));
-        }
-        at = mechanism.bodies[b].parent;
-    }
-    let numbers = mechanism.moving();
-    on_the_way.reverse();
-    on_the_way.into_iter().filter_map(|(b, t)| Some((numbers.binary_search(&b).ok()?, t))).collect()
+            Some((numbers.binary_search(&b).ok()?, asked.map(torque)))
+        })
+        .collect();
+    of_joints.reverse();
+    of_joints
+}
+
+/// The ten inertial parameters, as [`regressor`] orders them, of one kilogram at a point of a body \[m\].
+pub fn point_mass(at: &Vector3<f64>) -> [f64; 10] {
+    let [x, y, z] = <[f64; 3]>::from(*at);
+    let square = |a: f64, b: f64| a * a + b * b;
+    [1.0, x, y, z, square(y, z), square(x, z), square(x, y), -x * y, -x * z, -y * z]
 }
 
 /// Kinetic and potential energy of the bodies \[J\].

@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "each test file uses its part")]
 
 pub mod real;
+pub mod run;
 
 use std::path::Path;
 use std::sync::Arc;

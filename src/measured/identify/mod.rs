@@ -58,7 +58,7 @@ const HARM: f64 = 1.5;
 /// Lags that are found again may leave so many times the squared error that was left with the first ones.
 const WORSE_BY_LAGS: f64 = 1.02;
 /// Fewest rows over time that are fitted: less would give numbers without a scatter between stretches that says their error.
-const FEWEST: usize = 60;
+pub(crate) const FEWEST: usize = 60;
 /// How often the band is halved to find one that values do not depend on.
 const NARROWED: usize = 2;
 /// Most effects and orders that are added one after the other.
@@ -127,8 +127,8 @@ pub(crate) fn of_prepared(bench: &Bench, findings: &[Finding], options: &Options
     }
     if reports.is_empty() {
         return Err(format!(
-            "nothing can be learnt: of what is to be fitted fewer than {FEWEST} rows have all channels, move, and say something of \
-             their own within the band"
+            "nothing can be learnt: of what is to be fitted fewer than {FEWEST} rows have all channels, move (at rest friction may hold \
+             whatever the load asks for), and say something of their own within the band"
         ));
     }
     Ok(reports)

@@ -77,18 +77,12 @@ pub fn identify(robot: &RobotBench, options: &Options, only: Option<usize>) -> R
         .zip(declared)
         .filter(|(p, _)| only.is_none_or(|only| only == p.joint))
         .map(|(Prepared { joint, bench, findings }, declared)| {
-            let identified = match stacked::rests(&bench, options) {
-                true => Err(RESTS.into()),
-                false => identify::of_prepared(&bench, &findings, options).map_err(|why| with_band(&bench, &why)),
-            };
+            let identified = identify::of_prepared(&bench, &findings, options).map_err(|why| with_band(&bench, &why));
             JointReport { joint, bench, declared, identified }
         })
         .collect();
     Ok(RobotReport { payload, joints })
 }
-
-/// Why nothing is asked of a joint that does not move.
-const RESTS: &str = "the joint rests in most of these logs: its friction may hold whatever the load asks for, and no current says which part it holds";
 
 /// Why nothing can be learnt, with what bounds the band.
 fn with_band(bench: &Bench, why: &str) -> String {

@@ -9,7 +9,7 @@ use super::bench::{Prepared, RobotBench};
 use super::courses::Course;
 use super::stacked::{Fit, Part, fit};
 use crate::measured::identify::Options;
-use crate::mechanism::dynamics::{Moving, first_moments, per_mass};
+use crate::mechanism::dynamics::{per_mass, point_mass, regressor};
 use crate::mechanism::{Mechanism, Place};
 use crate::numerics::sums::paired;
 
@@ -121,13 +121,25 @@ impl Named {
     }
 }
 
-/// A place that is asked, and what a kilogram there is at each part.
+/// What each part feels of one number, as a column of its equation.
+type Columns = Vec<Vec<f64>>;
+
+/// A body that a mass may move with.
 struct Candidate {
     carrier: Carrier,
+    /// The place that is asked first: the declared payload's, or the centre of its heaviest part.
     place: Place,
     /// The most that may be too much there (less than zero), and the most that may be missing \[kg\].
     bounds: [f64; 2],
-    columns: Vec<Vec<f64>>,
+    /// What each part feels of the body's inertial parameters, in the order of [`regressor`].
+    columns: [Columns; 10],
+}
+
+/// A mass at a place, fitted.
+struct Placed {
+    at: Vector3<f64>,
+    columns: Columns,
+    fit: Fit,
 }
 
 /// Everything that the questions share.
@@ -145,13 +157,36 @@ pub(super) fn ask(robot: &RobotBench, prepared: &[Prepared], courses: &[Course],
     let parts: Vec<Part> = prepared.iter().filter_map(part).collect();
     let first = prepared[0].bench.logs.iter().map(|log| log.time.first().copied().unwrap_or(0.0)).collect();
     let mut question = Question { robot, courses, first, parts };
-    let candidates: Vec<Candidate> = question.candidates();
+    let candidates = question.candidates();
     let Some(last) = candidates.last() else { return PayloadAnswer::NotAsked };
-    let free: Vec<Vec<Vec<f64>>> = question.moments(last.place.body);
     for (index, part) in question.parts.iter_mut().enumerate() {
-        part.weigh(&free.iter().map(|c| c[index].as_slice()).collect::<Vec<_>>());
+        let free: Vec<&[f64]> = last.columns[..4].iter().map(|c| c[index].as_slice()).collect();
+        part.weigh(&free);
     }
     question.answer(&candidates)
+}
+
+impl Candidate {
+    /// What each part feels of a kilogram at a point of the body.
+    fn of_point(&self, at: &Vector3<f64>) -> Columns {
+        self.sum(&point_mass(at))
+    }
+
+    /// What each part feels of that much of each parameter.
+    fn sum(&self, amounts: &[f64; 10]) -> Columns {
+        let mut sums: Columns = self.columns[0].iter().map(|part| vec![0.0; part.len()]).collect();
+        for (amount, parts) in amounts.iter().zip(&self.columns) {
+            for (sum, part) in sums.iter_mut().zip(parts) {
+                sum.iter_mut().zip(part).for_each(|(s, v)| *s += amount * v);
+            }
+        }
+        sums
+    }
+
+    /// No link weighs less than nothing, nor more than the robot.
+    fn may_be(&self, fit: &Fit) -> bool {
+        (self.bounds[0]..=self.bounds[1]).contains(&fit.shared[0])
+    }
 }
 
 impl Question<'_> {
@@ -159,87 +194,62 @@ impl Question<'_> {
         self.parts.iter().collect()
     }
 
-    /// The places that are asked, from the base outwards: of each moving body that a joint with an equation carries the declared
-    /// payload's, or the centre of its heaviest part.
+    /// The bodies that are asked, from the base outwards: each moving body that a joint with an equation carries.
     fn candidates(&self) -> Vec<Candidate> {
         let mechanism = &self.robot.mechanism;
-        let carrier_of = |body: usize| {
-            std::iter::successors(Some(body), |b| mechanism.bodies[*b].parent)
-                .find(|b| mechanism.bodies[*b].joint.is_some())
-        };
-        let place = |moving: usize| {
-            let members = || (0..mechanism.bodies.len()).filter(|b| carrier_of(*b) == Some(moving));
-            let payloads = || self.robot.carrying.iter().flatten();
-            let hung = payloads().filter(|p| mechanism.body(&p.link).is_some_and(|b| members().any(|m| m == b)));
-            let described = members().map(|b| mechanism.bodies[b].inertia.mass).sum::<f64>()
-                + hung.map(|p| p.mass).fold(0.0, f64::max);
-            let of = payloads()
-                .find_map(|p| Some((p, mechanism.body(&p.link)?)).filter(|(_, b)| members().any(|m| m == *b)));
-            if let Some((payload, body)) = of {
+        let bodies = &mechanism.bodies;
+        let mover =
+            |body: usize| std::iter::successors(Some(body), |b| bodies[*b].parent).find(|b| bodies[*b].joint.is_some());
+        // Every payload of a log, with the body it hangs on.
+        let payloads: Vec<_> =
+            self.robot.carrying.iter().flatten().filter_map(|p| Some((mechanism.body(&p.link)?, p))).collect();
+        let heaviest = |hung: &mut dyn Iterator<Item = f64>| hung.fold(0.0, f64::max);
+        let whole = mechanism.mass() + heaviest(&mut payloads.iter().map(|(_, p)| p.mass));
+        let candidate = |moving: usize| {
+            let members: Vec<usize> = (0..bodies.len()).filter(|b| mover(*b) == Some(moving)).collect();
+            let mut hung = payloads.iter().filter(|(body, _)| members.contains(body));
+            let own = members.iter().map(|b| bodies[*b].inertia.mass).sum::<f64>();
+            let described = own + heaviest(&mut hung.clone().map(|(_, p)| p.mass));
+            let (carrier, place) = if let Some((body, payload)) = hung.next() {
                 let carrier = Carrier { link: payload.link.clone(), has_payload: true };
-                return Some((carrier, Place { body, at: Vector3::from(payload.at) }, described));
-            }
-            let heaviest = members().max_by(|a, b| {
-                let mass = |b: usize| mechanism.bodies[b].inertia.mass;
-                mass(*a).total_cmp(&mass(*b)).then(b.cmp(a))
-            })?;
-            let body = &mechanism.bodies[heaviest];
-            let link = members().find_map(|b| mechanism.bodies[b].name.clone())?;
-            let link = body.name.clone().unwrap_or(link);
-            Some((Carrier { link, has_payload: false }, Place { body: heaviest, at: body.inertia.centre }, described))
+                (carrier, Place { body: *body, at: Vector3::from(payload.at) })
+            } else {
+                let mass = |b: usize| bodies[b].inertia.mass;
+                let body = *members.iter().max_by(|a, b| mass(**a).total_cmp(&mass(**b)).then(b.cmp(a)))?;
+                let named = std::iter::once(&body).chain(&members).find_map(|b| bodies[*b].name.clone())?;
+                (Carrier { link: named, has_payload: false }, Place { body, at: bodies[body].inertia.centre })
+            };
+            let columns = self.felt(place.body);
+            let candidate = Candidate { carrier, place, bounds: [-described, whole], columns };
+            let is_felt = candidate.of_point(&place.at).iter().flatten().any(|v| *v != 0.0);
+            is_felt.then_some(candidate)
         };
-        let heaviest = self.robot.carrying.iter().flatten().map(|p| p.mass).fold(0.0, f64::max);
-        let whole = mechanism.mass() + heaviest;
-        let places = mechanism.moving().into_iter().filter_map(place);
-        let candidate = |(carrier, place, described): (Carrier, Place, f64)| {
-            let columns = self.of_place(place);
-            let felt = columns.iter().flatten().any(|v| *v != 0.0);
-            felt.then_some(Candidate { carrier, place, bounds: [-described, whole], columns })
-        };
-        places.filter_map(candidate).collect()
+        mechanism.moving().into_iter().filter_map(candidate).collect()
     }
 
-    /// What each part feels of something that moves with a body, given as torques of joints at an instant; one column for each of
-    /// `count` numbers.
-    fn felt(&self, count: usize, torques: impl Fn(&[Moving]) -> Vec<(usize, Vec<f64>)>) -> Vec<Vec<Vec<f64>>> {
+    /// What each part feels of the inertial parameters of a body.
+    fn felt(&self, body: usize) -> [Columns; 10] {
         let mechanism = &self.robot.mechanism;
-        // Number, then part, then log.
-        let mut all = vec![vec![Vec::new(); self.parts.len()]; count];
+        // Part, then log, then time.
+        let mut all: Vec<Vec<Vec<[f64; 10]>>> = vec![Vec::new(); self.parts.len()];
         for course in self.courses {
-            for parts in &mut all {
-                parts.iter_mut().for_each(|logs| logs.push(Vec::new()));
-            }
+            all.iter_mut().for_each(|logs| logs.push(Vec::new()));
             for moving in course.kinematics(mechanism) {
-                let felt = torques(&moving);
-                for (index, part) in self.parts.iter().enumerate() {
-                    let own = felt.iter().find(|(joint, _)| *joint == part.number);
-                    for (k, parts) in all.iter_mut().enumerate() {
-                        if let Some(log) = parts[index].last_mut() {
-                            log.push(own.map_or(0.0, |(_, values)| values[k]));
-                        }
+                let torques = regressor(mechanism, &moving, body);
+                for (part, logs) in self.parts.iter().zip(&mut all) {
+                    let own = torques.iter().find(|(joint, _)| *joint == part.number);
+                    if let Some(log) = logs.last_mut() {
+                        log.push(own.map_or([0.0; 10], |(_, ten)| *ten));
                     }
                 }
             }
         }
-        let column = |(index, logs): (usize, &Vec<Vec<f64>>)| self.parts[index].column(self.courses, logs, &self.first);
-        all.iter().map(|parts| parts.iter().enumerate().map(column).collect()).collect()
-    }
-
-    /// What each part feels of a kilogram at a place.
-    fn of_place(&self, place: Place) -> Vec<Vec<f64>> {
-        let mechanism = &self.robot.mechanism;
-        let torques = |moving: &[Moving]| {
-            per_mass(mechanism, moving, place).into_iter().map(|(joint, torque)| (joint, vec![torque])).collect()
-        };
-        self.felt(1, torques).remove(0)
-    }
-
-    /// What each part feels of a kilogram at the origin of a body, and of a first moment of one kilogram metre along each of its
-    /// axes.
-    fn moments(&self, body: usize) -> Vec<Vec<Vec<f64>>> {
-        let mechanism = &self.robot.mechanism;
-        self.felt(4, |moving| {
-            first_moments(mechanism, moving, body).into_iter().map(|(joint, four)| (joint, four.to_vec())).collect()
+        std::array::from_fn(|k| {
+            let column = |(part, logs): (&Part, &Vec<Vec<[f64; 10]>>)| {
+                let torque: Vec<Vec<f64>> = logs.iter().map(|log| log.iter().map(|ten| ten[k]).collect()).collect();
+                part.column(self.courses, &torque, &self.first)
+            };
+            self.parts.iter().zip(&all).map(column).collect()
         })
     }
 
@@ -248,124 +258,110 @@ impl Question<'_> {
         self.robot.mechanism.bodies.iter().map(|b| b.placement.translation.vector.norm()).sum()
     }
 
+    /// The mass at a point of a body that suits all parts best.
+    fn fitted(&self, candidate: &Candidate, at: Vector3<f64>) -> Placed {
+        let columns = candidate.of_point(&at);
+        let fit = fit(&self.all(), &[slices(&columns)], false);
+        Placed { at, columns, fit }
+    }
+
     fn answer(&self, candidates: &[Candidate]) -> PayloadAnswer {
-        let parts = self.all();
-        let without = fit(&parts, &[], false);
-        let scaled = fit(&parts, &[], true);
-        let fits: Vec<Fit> =
-            candidates.iter().map(|c| fit(&parts, &[c.columns.iter().map(Vec::as_slice).collect()], false)).collect();
-        let least = |a: &usize, b: &usize| fits[*a].left().total_cmp(&fits[*b].left());
-        // No link weighs less than nothing, nor more than the robot.
-        let may_be =
-            |candidate: &Candidate, fit: &Fit| (candidate.bounds[0]..=candidate.bounds[1]).contains(&fit.shared[0]);
-        let best = (0..fits.len()).filter(|k| may_be(&candidates[*k], &fits[*k])).min_by(least);
-        let end = candidates.len() - 1;
-        let felt =
-            Felt { carrier: candidates[end].carrier.clone(), mass: fits[end].shared[0], error: fits[end].error[0] };
-        let Some(best) = best else { return PayloadAnswer::Enough(felt) };
-        // A place that differs from the declared one is worth it only where it is surely better.
-        let placed: Vec<Option<(Candidate, Fit)>> =
-            candidates.iter().map(|c| self.placed(c).filter(|(c, fit)| may_be(c, fit))).collect();
-        let least = |a: &usize, b: &usize| {
-            let left = |k: usize| placed[k].as_ref().map_or(f64::INFINITY, |(_, fit)| fit.left());
-            left(*a).total_cmp(&left(*b))
+        let without = fit(&self.all(), &[], false);
+        let as_described: Vec<Placed> = candidates.iter().map(|c| self.fitted(c, c.place.at)).collect();
+        let last = &as_described[candidates.len() - 1].fit;
+        let carrier = candidates[candidates.len() - 1].carrier.clone();
+        let felt = Felt { carrier, mass: last.shared[0], error: last.error[0] };
+        let possible = |placed: Vec<Option<Placed>>| -> Vec<Option<Placed>> {
+            placed.into_iter().zip(candidates).map(|(p, c)| p.filter(|p| c.may_be(&p.fit))).collect()
         };
-        let freest = (0..placed.len()).min_by(least).and_then(|k| placed[k].as_ref().map(|p| (k, p)));
-        let freest = freest.filter(|(_, (_, fit))| {
-            let gain = (fits[best].left() - fit.left()) / without.left();
-            gain > 0.5 * WORTH && paired(&fits[best].left_out, &fit.left_out) > SURE
+        let anywhere = possible(candidates.iter().map(|c| self.placed(c)).collect());
+        let as_described = possible(as_described.into_iter().map(Some).collect());
+        let Some((described, own)) = best(&as_described) else { return PayloadAnswer::Enough(felt) };
+        // A place that differs from the described one is worth it only where it is surely better.
+        let freest = best(&anywhere).filter(|(_, free)| {
+            let gain = (own.fit.left() - free.fit.left()) / without.left();
+            gain > 0.5 * WORTH && paired(&own.fit.left_out, &free.fit.left_out) > SURE
         });
-        let (index, candidate, own) = match &freest {
-            Some((k, (candidate, fit))) => (*k, candidate, fit),
-            None => (best, &candidates[best], &fits[best]),
+        let (index, own, all) = match freest {
+            Some((index, own)) => (index, own, &anywhere),
+            None => (described, own, &as_described),
         };
-        let gain = 1.0 - own.left() / without.left();
-        let is_there = own.shared[0].abs() > own.error[0];
+        let gain = 1.0 - own.fit.left() / without.left();
+        let is_there = own.fit.shared[0].abs() > own.fit.error[0];
         if gain <= WORTH || !is_there {
             return PayloadAnswer::Enough(felt);
         }
-        let is_sure = paired(&without.left_out, &own.left_out) > SURE;
         // Others of the same kind that are not surely worse.
-        let others = (0..candidates.len()).filter(|k| *k != index && may_be(&candidates[*k], &fits[*k])).filter(|k| {
-            let other = match (&freest, &placed[*k]) {
-                (Some(_), Some((_, fit))) => fit,
-                (Some(_), None) => return false,
-                (None, _) => &fits[*k],
-            };
-            paired(&other.left_out, &own.left_out) < WORSE
+        let others = (0..candidates.len()).filter(|k| {
+            let is_near = |other: &Placed| paired(&other.fit.left_out, &own.fit.left_out) < WORSE;
+            *k != index && all[*k].as_ref().is_some_and(is_near)
         });
         let carriers = std::iter::once(index).chain(others).map(|k| candidates[k].carrier.clone()).collect();
-        let witnesses = self.witnesses(candidate, own.shared[0]);
         // What torque constants that are off by a factor would make of it is not known any better.
-        let columns: Vec<&[f64]> = candidate.columns.iter().map(Vec::as_slice).collect();
-        let beside_scales = fit(&parts, &[columns], true).shared[0];
+        let mass = own.fit.shared[0];
+        let beside_scales = fit(&self.all(), &[slices(&own.columns)], true).shared[0];
         let named = Named {
             carriers,
-            mass: own.shared[0],
-            error: own.error[0].max((beside_scales - own.shared[0]).abs()),
-            at: candidate.place.at.into(),
+            mass,
+            error: own.fit.error[0].max((beside_scales - mass).abs()),
+            at: own.at.into(),
             is_place_fitted: freest.is_some(),
             gain,
-            body: candidate.place.body,
-            witnesses,
+            body: candidates[index].place.body,
+            witnesses: self.witnesses(&own.columns, mass),
         };
-        let agree = |w: &Witness| (w.mass - named.mass).abs() <= (w.error + named.error).max(AGREE * named.mass.abs());
-        let why = if named.witnesses.len() < 2 {
-            Some(Asked::OneJoint)
-        } else if !named.witnesses.iter().all(agree) {
-            Some(Asked::Disagree)
-        } else if paired(&scaled.left_out, &own.left_out) < WORSE {
-            Some(Asked::Scales)
-        } else if !is_sure {
-            Some(Asked::Scatters)
-        } else if gain < EXPLAINS {
-            Some(Asked::LeavesMuch)
-        } else {
-            None
-        };
-        match why {
+        match self.doubt(&named, own, &without) {
             Some(why) => PayloadAnswer::Open(named, why),
             None => PayloadAnswer::Named(named),
         }
     }
 
+    /// Why a mass that lowers the error is not named.
+    fn doubt(&self, named: &Named, own: &Placed, without: &Fit) -> Option<Asked> {
+        let agree = |w: &Witness| (w.mass - named.mass).abs() <= (w.error + named.error).max(AGREE * named.mass.abs());
+        let scaled = fit(&self.all(), &[], true);
+        let better_than = |other: &Fit| paired(&other.left_out, &own.fit.left_out);
+        if named.witnesses.len() < 2 {
+            Some(Asked::OneJoint)
+        } else if !named.witnesses.iter().all(agree) {
+            Some(Asked::Disagree)
+        } else if better_than(&scaled) < WORSE {
+            Some(Asked::Scales)
+        } else if better_than(without) <= SURE {
+            Some(Asked::Scatters)
+        } else if named.gain < EXPLAINS {
+            Some(Asked::LeavesMuch)
+        } else {
+            None
+        }
+    }
+
     /// What each joint alone asks for at a place, of those that say something.
-    fn witnesses(&self, candidate: &Candidate, mass: f64) -> Vec<Witness> {
-        let one = |(index, part): (usize, &Part)| {
-            let column = candidate.columns[index].as_slice();
+    fn witnesses(&self, columns: &Columns, mass: f64) -> Vec<Witness> {
+        let one = |(part, column): (&Part, &Vec<f64>)| {
             if part.size(column) * mass * mass < 1e-4 {
                 return None;
             }
-            let fit = fit(&[part], &[vec![column]], false);
+            let fit = fit(&[part], &[vec![column.as_slice()]], false);
             let (own, error) = (fit.shared[0], fit.error[0]);
             (error < SAYS * mass.abs()).then_some(Witness { joint: part.joint, mass: own, error })
         };
-        self.parts.iter().enumerate().filter_map(one).collect()
+        self.parts.iter().zip(columns).filter_map(one).collect()
     }
 
     /// The same mass where it suits best on its body: a point whose inertia follows its place. `None` where no mass with a place
     /// comes of it.
-    fn placed(&self, candidate: &Candidate) -> Option<(Candidate, Fit)> {
-        let body = candidate.place.body;
-        let columns = self.moments(body);
-        let parts = self.all();
+    fn placed(&self, candidate: &Candidate) -> Option<Placed> {
         let mut at = candidate.place.at;
         for round in 0.. {
-            // A kilogram at the place so far, and what moving it does, its inertia left as it is.
-            let here = self.of_place(Place { body, at });
-            let mut four = columns.clone();
-            for (index, column) in here.iter().enumerate() {
-                for (k, value) in column.iter().enumerate() {
-                    let moments =
-                        at.x * columns[1][index][k] + at.y * columns[2][index][k] + at.z * columns[3][index][k];
-                    // m (τ(p₀) + (p − p₀)·∂τ/∂h): the mass's own column is what is left where h = m p stays free.
-                    four[0][index][k] = value - moments;
-                }
-            }
-            let shared: Vec<Vec<&[f64]>> = four.iter().map(|parts| parts.iter().map(Vec::as_slice).collect()).collect();
-            let found = fit(&parts, &shared, false);
-            let mass = found.shared[0];
+            // A kilogram that keeps the inertia it has at the place so far, and what moving it does.
+            let mut amounts = point_mass(&at);
+            amounts[1..4].fill(0.0);
+            let kept = candidate.sum(&amounts);
+            let shared: Vec<Vec<&[f64]>> = std::iter::once(&kept).chain(&candidate.columns[1..4]).map(slices).collect();
+            let found = fit(&self.all(), &shared, false);
             // Without a mass there is no place.
+            let mass = found.shared[0];
             if mass.abs() <= found.error[0] {
                 return None;
             }
@@ -374,14 +370,20 @@ impl Question<'_> {
                 return None;
             }
             if round == ROUNDS || (next - at).norm() < 1e-4 {
-                let place = Place { body, at: next };
-                let columns = self.of_place(place);
-                let again = fit(&parts, &[columns.iter().map(Vec::as_slice).collect()], false);
-                let Candidate { carrier, bounds, .. } = candidate;
-                return Some((Candidate { carrier: carrier.clone(), place, bounds: *bounds, columns }, again));
+                return Some(self.fitted(candidate, next));
             }
             at = next;
         }
         None
     }
+}
+
+fn slices(columns: &Columns) -> Vec<&[f64]> {
+    columns.iter().map(Vec::as_slice).collect()
+}
+
+/// The mass that leaves least, with its number.
+fn best(placed: &[Option<Placed>]) -> Option<(usize, &Placed)> {
+    let some = placed.iter().enumerate().filter_map(|(k, p)| Some((k, p.as_ref()?)));
+    some.min_by(|(_, a), (_, b)| a.fit.left().total_cmp(&b.fit.left()))
 }

@@ -3,11 +3,10 @@
 use super::bench::Prepared;
 use super::courses::Course;
 use crate::effects::{EFFECTS, of_efficiency};
-use crate::measured::Bench;
 use crate::measured::answer::Base;
 use crate::measured::identify::balance::visible;
 use crate::measured::identify::regression::{Blocks, Rows, covariance, solve};
-use crate::measured::identify::{Balance, Options, Setting, Target};
+use crate::measured::identify::{Balance, FEWEST, Options, Setting, Target};
 use crate::numerics::sums::finite_sum;
 
 /// Most rows of each joint.
@@ -56,12 +55,12 @@ impl Fit {
 const INTERVAL: f64 = 1.96;
 
 impl Part {
-    /// `None` where the joint's logs have no drive against a load, or it rests.
+    /// `None` where the joint's logs have no drive against a load, or it moves too little.
     pub fn new(prepared: &Prepared, number: usize, options: &Options) -> Option<Part> {
         let bench = &prepared.bench;
         let setting = Setting { rows: ROWS, ..Setting::uncorrected(bench, options.band) };
         let balance = Balance::new(bench, Target::Drive, &setting)?;
-        if is_at_rest(&balance) {
+        if balance.fitting() < FEWEST {
             return None;
         }
         let scale = balance.base.iter().position(|b| b.which == Base::LoadScale)?;
@@ -112,18 +111,6 @@ impl Part {
         };
         self.balance.rows.block_fits.iter().map(fold).collect()
     }
-}
-
-/// Whether most rows of a balance are at rest: what holds the joint there may be its friction.
-fn is_at_rest(balance: &Balance) -> bool {
-    let moving = balance.variable(false, |p| p.direction.abs());
-    moving.iter().filter(|d| **d > 0.5).count() * 2 < moving.len()
-}
-
-/// Whether a joint rests in most of its logs.
-pub(super) fn rests(bench: &Bench, options: &Options) -> bool {
-    let setting = Setting { rows: ROWS, ..Setting::uncorrected(bench, options.band) };
-    Balance::new(bench, Target::Drive, &setting).is_some_and(|balance| is_at_rest(&balance))
 }
 
 /// Fits parts with what they have in common; where `scales`, with a scale of each one's load.

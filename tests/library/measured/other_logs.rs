@@ -190,3 +190,45 @@ fn what_is_ruled_out_is_neither_named_nor_forgotten() {
     assert_eq!(ruled_out[0].evidence.left_out, 1);
     assert_ne!(ruled_out[0].verdict, Verdict::NothingMissing);
 }
+
+/// A motor that is held or sticks: its current says nothing of an offset, of friction or of its inertia. Noise of its sensors is no
+/// motion; a turn now and then is.
+#[test]
+fn a_shaft_at_rest_says_nothing_of_its_drive() {
+    let mut random = Random::new(5, "held shaft");
+    let mut noise = |size: f64| size * random.normal();
+    let mut log = |turns: f64| {
+        let mut text = String::from("time,current,position,velocity\n");
+        for k in 0..8000 {
+            let t = 0.002 * f64::from(k);
+            // A quarter turn there and back for a tenth of the time.
+            let phase = (t / 4.0).fract() * 10.0;
+            let speed = if phase < 1.0 { turns * (TAU * phase).sin() } else { 0.0 };
+            let angle = if phase < 1.0 { turns * 0.4 / TAU * (1.0 - (TAU * phase).cos()) } else { 0.0 };
+            let current = 0.4 + 0.3 * (2.1 * t).sin() + noise(0.02);
+            text += &format!("{t},{current},{},{}\n", angle + noise(1e-5), speed + noise(0.02));
+        }
+        text
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    for (turns, rows) in [(0.0, 0), (60.0, 801)] {
+        std::fs::write(folder.path().join("log.csv"), log(turns)).expect("the log");
+        for load in ["", "load = { inertia = \"0.2 kg*m^2\" }"] {
+            let bench = format!(
+                "name = \"held\"\nkind = \"free\"\nactuator = {{ motor = \"t-motor-ri50\", ratio = 9 }}\n{load}\n[columns]\n\
+                 time = {{ name = \"time\", unit = \"s\" }}\ncurrent = {{ name = \"current\", unit = \"A\", convention = \"q_axis\" }}\n\
+                 position = {{ name = \"position\", unit = \"rad\", side = \"motor\" }}\n\
+                 velocity = {{ name = \"velocity\", unit = \"rad/s\", side = \"motor\" }}\n[[log]]\nfile = \"log.csv\"\nuse = \"fit\"\n"
+            );
+            let path = folder.path().join("bench.toml");
+            std::fs::write(&path, bench).expect("the bench file");
+            let bench = read(&path).unwrap_or_else(|e| panic!("{}", e[0]));
+            match identify(&bench, &Options::default()) {
+                Ok(reports) => {
+                    assert!(rows > 0 && (700..rows).contains(&reports[0].samples.1), "{:?}", reports[0].samples)
+                }
+                Err(why) => assert!(rows == 0 && why.contains("at rest"), "{why}"),
+            }
+        }
+    }
+}

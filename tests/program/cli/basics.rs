@@ -1,23 +1,11 @@
 //! The program as a user runs it.
 
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Stdio};
 
 use serde_json::Value;
 
 use crate::common::repository;
-
-fn gearwise(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_gearwise"))
-        .env_remove("COLUMNS")
-        .args(arguments)
-        .current_dir(repository(""))
-        .output()
-        .unwrap()
-}
-
-fn stdout(output: &Output) -> String {
-    String::from_utf8(output.stdout.clone()).unwrap()
-}
+use crate::common::run::{gearwise, stdout};
 
 fn json(arguments: &[&str]) -> Value {
     let output = gearwise(arguments);

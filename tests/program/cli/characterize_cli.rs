@@ -1,35 +1,14 @@
 //! `characterize` as a user runs it: the shipped example, its row in the other commands, and every wrong input.
 
 use std::fs;
-use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use serde_json::Value;
 
 use crate::common::repository;
+use crate::common::run::{gearwise, gearwise_in, stderr, stdout};
 
 const EXAMPLE: &str = "requirements/bench/motor_on_bench.toml";
-
-fn gearwise_in(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_gearwise"))
-        .env_remove("COLUMNS")
-        .args(arguments)
-        .current_dir(folder)
-        .output()
-        .unwrap()
-}
-
-fn gearwise(arguments: &[&str]) -> Output {
-    gearwise_in(&repository(""), arguments)
-}
-
-fn stdout(output: &Output) -> String {
-    String::from_utf8(output.stdout.clone()).unwrap()
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).unwrap()
-}
 
 /// What `requirements/make/motor_bench.py` put in comes out, within the stated intervals.
 #[test]

@@ -2,27 +2,14 @@
 //! tested in MuJoCo itself (tests/external/mujoco_export.py).
 
 use std::path::Path;
-use std::process::{Command, Output};
 
 use approx::assert_relative_eq;
 use roxmltree::Document;
 use serde_json::Value;
 
-use crate::common::repository;
+use crate::common::run::{gearwise, stderr, stdout};
 
 const ROBOT: &str = "requirements/quadruped_mini_cheetah.toml";
-
-fn gearwise(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_gearwise")).args(arguments).current_dir(repository("")).output().unwrap()
-}
-
-fn stdout(output: &Output) -> String {
-    String::from_utf8(output.stdout.clone()).unwrap()
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).unwrap()
-}
 
 fn write(folder: &Path, name: &str, text: &str) -> String {
     let path = folder.join(name);

@@ -1,22 +1,13 @@
 //! Pages: what a user gets with `--html`, and that nothing in a catalogue can make a page do anything.
 
 use std::path::Path;
-use std::process::{Command, Output};
 
 use gearwise::report::html::{Page, Part, Row, Section, Table, text};
 use gearwise::report::plot::{Figure, Group, Mark, Panel, Series, Shape, Tone};
 use sha2::{Digest, Sha256};
 
 use crate::common;
-
-/// Runs the program in the repository's folder.
-fn gearwise(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_gearwise"))
-        .args(arguments)
-        .current_dir(common::repository(""))
-        .output()
-        .expect("the program starts")
-}
+use crate::common::run::gearwise;
 
 /// The page of a command; what is printed is not looked at.
 fn page_of(arguments: &[&str]) -> String {

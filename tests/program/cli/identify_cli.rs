@@ -2,35 +2,15 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use serde_json::Value;
 
 use crate::common::repository;
+use crate::common::run::{gearwise, json, stderr, stdout};
 use crate::simulator;
 
 const EXAMPLE: &str = "requirements/bench/leg_actuator.toml";
-
-fn gearwise(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_gearwise"))
-        .env_remove("COLUMNS")
-        .args(arguments)
-        .current_dir(repository(""))
-        .output()
-        .unwrap()
-}
-
-fn stdout(output: &Output) -> String {
-    String::from_utf8(output.stdout.clone()).unwrap()
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).unwrap()
-}
-
-fn json(output: &Output) -> Value {
-    serde_json::from_slice(&output.stdout).unwrap_or_else(|e| panic!("{e}: {}", stderr(output)))
-}
 
 #[test]
 fn the_example_tells_its_story() {

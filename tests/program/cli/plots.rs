@@ -1,7 +1,6 @@
 //! Pictures: labels that never cover each other, boundaries that meet the equations, files that are whole.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
 use gearwise::actuator::envelope::Steady;
 use gearwise::actuator::shaft::Flow;
@@ -16,15 +15,9 @@ use gearwise::report::rank::Ranking;
 use gearwise::requirement;
 use proptest::prelude::*;
 
-const CHEETAH: &str = "requirements/quadruped_mini_cheetah.toml";
+use crate::common::run::gearwise;
 
-fn gearwise(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_gearwise"))
-        .args(arguments)
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .output()
-        .expect("the program starts")
-}
+const CHEETAH: &str = "requirements/quadruped_mini_cheetah.toml";
 
 /// No two texts of a panel over each other, and none over a labelled point.
 fn nothing_collides(layout: &Layout) {

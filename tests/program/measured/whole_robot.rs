@@ -2,30 +2,11 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
 use gearwise::measured::read::{read, read_subject};
-use serde_json::Value;
 
-use crate::common::repository;
+use crate::common::run::{gearwise, json, stderr, stdout};
 use crate::simulator::arm::Arm;
-
-fn gearwise(arguments: &[&str]) -> Output {
-    let mut program = Command::new(env!("CARGO_BIN_EXE_gearwise"));
-    program.env_remove("COLUMNS").args(arguments).current_dir(repository("")).output().unwrap()
-}
-
-fn stdout(output: &Output) -> String {
-    String::from_utf8(output.stdout.clone()).unwrap()
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).unwrap()
-}
-
-fn json(output: &Output) -> Value {
-    serde_json::from_slice(&output.stdout).unwrap_or_else(|e| panic!("{e}: {}", stderr(output)))
-}
 
 /// A short log of an arm of which the bench file says too small a payload.
 fn written(folder: &Path) -> PathBuf {

@@ -6,11 +6,13 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use serde_json::Value;
 use tempfile::TempDir;
 use toml::Value as Toml;
+
+use crate::common::run::gearwise_in;
 
 /// Motors of the shipped catalogue that differ in convention, in what is known of them, and in size.
 const MOTORS: [&str; 14] = [
@@ -164,7 +166,7 @@ impl World {
         let folder = self.write();
         let mut all = arguments.to_vec();
         all.extend(["--catalog", "motors.csv", "gears.csv"]);
-        gearwise(folder.path(), &all)
+        gearwise_in(folder.path(), &all)
     }
 
     fn json(&self, arguments: &[&str]) -> Value {
@@ -207,10 +209,6 @@ impl World {
 
 fn joints(robot: &toml::Table) -> &Vec<Toml> {
     robot["joint"].as_array().unwrap()
-}
-
-fn gearwise(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_gearwise")).args(arguments).current_dir(folder).output().unwrap()
 }
 
 /// `"24 V"` times a factor.
@@ -446,7 +444,7 @@ fn the_order_of_rows_joints_keys_and_columns_changes_nothing() {
         assert_ne!(shipped, read(folder.path().join("robot.toml")));
         fs::write(folder.path().join("robot.toml"), shipped).unwrap();
         let arguments = ["optimize", "robot.toml", "--json", "--no-estimates", "--catalog", "motors.csv", "gears.csv"];
-        let output = gearwise(folder.path(), &arguments);
+        let output = gearwise_in(folder.path(), &arguments);
         let shipped: Value = serde_json::from_slice(&output.stdout).unwrap();
         same(&before, &shipped, 0.0, name);
     }
@@ -459,7 +457,7 @@ fn the_number_of_threads_changes_no_byte() {
     world.robot.insert("budget".into(), Toml::Table(budget));
     let folder = world.write();
     let design = ["optimize", "robot.toml", "--catalog", "motors.csv", "gears.csv", "--write-design", "design.toml"];
-    assert!(gearwise(folder.path(), &design).status.code() < Some(2));
+    assert!(gearwise_in(folder.path(), &design).status.code() < Some(2));
     let catalog = ["--catalog", "motors.csv", "gears.csv"];
     let robot = repository("requirements/robots");
     let (ur5e, pick) = (robot.join("ur5e.urdf"), robot.join("ur5e_pick.csv"));
@@ -482,7 +480,7 @@ fn the_number_of_threads_changes_no_byte() {
         let run = |threads: &str| {
             let mut arguments: Vec<&str> = command.iter().map(String::as_str).collect();
             arguments.extend(["--threads", threads]);
-            let output = gearwise(folder.path(), &arguments);
+            let output = gearwise_in(folder.path(), &arguments);
             assert!(output.status.code() < Some(2), "{command:?}: {}", String::from_utf8_lossy(&output.stderr));
             output.stdout
         };
@@ -795,7 +793,7 @@ impl Bench {
         for (name, log) in &self.logs {
             fs::write(folder.path().join(name), log.text()).unwrap();
         }
-        let output = gearwise(folder.path(), &[command, "bench.toml", "--json"]);
+        let output = gearwise_in(folder.path(), &[command, "bench.toml", "--json"]);
         assert!(output.status.code() < Some(2), "{}", String::from_utf8_lossy(&output.stderr));
         serde_json::from_slice(&output.stdout).unwrap()
     }
@@ -924,7 +922,7 @@ fn links_and_joints_in_another_order_ask_for_the_same_torques() {
     let pick = Sheet::parse(&read(robots.join("ur5e_pick.csv")));
     fs::write(folder.path().join("pick.csv"), pick.columns_reversed().text()).unwrap();
     let run = |model: &str, trajectory: &str| -> Value {
-        let output = gearwise(folder.path(), &["torques", model, trajectory, "--json"]);
+        let output = gearwise_in(folder.path(), &["torques", model, trajectory, "--json"]);
         assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
         serde_json::from_slice(&output.stdout).unwrap()
     };

@@ -8,9 +8,11 @@ use std::sync::Arc;
 
 use approx::assert_relative_eq;
 use gearwise::input::Source;
-use gearwise::mechanism::dynamics::{State, Wrench, energy, inverse_dynamics, mass_matrix};
+use gearwise::mechanism::dynamics::{
+    State, Wrench, energy, inverse_dynamics, kinematics, mass_matrix, per_mass, point_mass, regressor,
+};
 use gearwise::mechanism::torques::{actuator_places, torque_per_mass, torques, torques_per_mass};
-use gearwise::mechanism::{Mechanism, Payload, trajectory};
+use gearwise::mechanism::{Mechanism, Payload, Place, trajectory};
 use nalgebra::Vector3;
 
 use crate::common::repository;
@@ -188,6 +190,42 @@ fn torque_per_mass_is_what_a_kilogram_more_costs() {
                     let coefficient = found.as_ref().map_or(0.0, |c| c[k]);
                     assert!((more - coefficient).abs() < 1e-10, "{more} {coefficient}");
                 }
+            }
+        }
+    }
+}
+
+/// Torques are linear in the inertial parameters of the bodies: their sum is what inverse dynamics says, and that of one point
+/// mass what a kilogram at it asks.
+#[test]
+fn the_regressor_sums_to_the_torques() {
+    let slider = PENDULUM.replace("revolute", "prismatic");
+    for mechanism in models().chain([parse(&slider)]) {
+        let n = mechanism.moving().len();
+        for seed in [0.2, 1.4] {
+            let [q, v, a] = state(n, seed);
+            let moving = kinematics(&mechanism, State { position: &q, velocity: &v, acceleration: &a });
+            let mut sum = vec![0.0; n];
+            for (number, body) in mechanism.bodies.iter().enumerate() {
+                let (mass, c) = (body.inertia.mass, body.inertia.centre);
+                let shifted = nalgebra::Matrix3::from_diagonal_element(c.norm_squared()) - c * c.transpose();
+                let about = body.inertia.about_centre + mass * shifted;
+                let parts = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].map(|at| about[at]);
+                let amounts: Vec<f64> = [mass, mass * c.x, mass * c.y, mass * c.z].into_iter().chain(parts).collect();
+                for (joint, ten) in regressor(&mechanism, &moving, number) {
+                    sum[joint] += ten.iter().zip(&amounts).map(|(t, a)| t * a).sum::<f64>();
+                }
+                let at = Vector3::new(0.1, -0.3, 0.2);
+                let point = per_mass(&mechanism, &moving, Place { body: number, at });
+                let amounts = point_mass(&at);
+                for ((joint, ten), (same, torque)) in regressor(&mechanism, &moving, number).iter().zip(point) {
+                    assert_eq!(*joint, same);
+                    let of_ten: f64 = ten.iter().zip(&amounts).map(|(t, a)| t * a).sum();
+                    assert_relative_eq!(of_ten, torque, max_relative = 1e-11, epsilon = 1e-11);
+                }
+            }
+            for (sum, torque) in sum.iter().zip(inverse(&mechanism, &[q, v, a])) {
+                assert_relative_eq!(*sum, torque, max_relative = 1e-11, epsilon = 1e-11);
             }
         }
     }

@@ -11,6 +11,7 @@ use serde_json::Value;
 
 use crate::cases::are_all;
 use crate::common;
+use crate::common::run::gearwise_in;
 
 fn quadruped() -> Robot {
     requirement::read(&common::repository("requirements/quadruped_mini_cheetah.toml")).unwrap()
@@ -158,15 +159,6 @@ fn joints_that_minimise_different_things_are_measured_by_their_own_best() {
     assert!((choice.combinations[0].objective - count).abs() < 1e-9 * count, "without budgets each has its best");
 }
 
-fn gearwise(folder: &std::path::Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_gearwise"))
-        .env_remove("COLUMNS")
-        .args(arguments)
-        .current_dir(folder)
-        .output()
-        .unwrap()
-}
-
 const MOTION: &str =
     "time [s], torque [N*m], velocity [rad/s]\n0, 1, 1\n0.1, 4, 3\n0.2, 2, 1\n0.3, -1, -3\n0.4, 1, 1\n";
 const MOTORS: &str = "id,terminals,current,resistance [ohm],torque_constant [N*m/A],rotor_inertia [g*cm^2],mass [g],peak_current [A],continuous_torque [N*m],source,source_kind
@@ -196,7 +188,7 @@ fn arm(budget: &str) -> (tempfile::TempDir, String) {
 #[test]
 fn a_user_is_told_what_the_budget_costs_and_what_comes_next() {
     let (folder, _) = arm("[budget]\nactuator_mass = \"600 g\"");
-    let output = gearwise(folder.path(), &["optimize", "arm.toml", "--catalog", "motors.csv"]);
+    let output = gearwise_in(folder.path(), &["optimize", "arm.toml", "--catalog", "motors.csv"]);
     let text = String::from_utf8(output.stdout).unwrap();
     assert_eq!(output.status.code(), Some(0), "{text}{}", String::from_utf8_lossy(&output.stderr));
     for part in
@@ -204,7 +196,7 @@ fn a_user_is_told_what_the_budget_costs_and_what_comes_next() {
     {
         assert!(text.contains(part), "{part} is not in\n{text}");
     }
-    let output = gearwise(folder.path(), &["optimize", "arm.toml", "--catalog", "motors.csv", "--json"]);
+    let output = gearwise_in(folder.path(), &["optimize", "arm.toml", "--catalog", "motors.csv", "--json"]);
     let json: Value = serde_json::from_slice(&output.stdout).unwrap();
     let choice = &json["robot"]["choice"];
     assert_eq!(choice["certificate"]["certified"], true);
@@ -218,7 +210,7 @@ fn a_user_is_told_what_the_budget_costs_and_what_comes_next() {
 #[test]
 fn a_budget_that_nothing_keeps_is_answered_with_the_least() {
     let (folder, _) = arm("[budget]\nactuator_mass = \"200 g\"");
-    let output = gearwise(folder.path(), &["optimize", "arm.toml", "--catalog", "motors.csv"]);
+    let output = gearwise_in(folder.path(), &["optimize", "arm.toml", "--catalog", "motors.csv"]);
     let text = String::from_utf8(output.stdout).unwrap();
     assert_eq!(output.status.code(), Some(1), "{text}");
     assert!(text.contains("NO combination keeps all of this"), "{text}");
@@ -238,7 +230,7 @@ fn a_column_of_torque_per_mass_is_read_with_the_motion() {
         .replace("torque_per_mass = { elbow = \"2.1 N*m/kg\" }\n", "");
     fs::write(folder.path().join("column.toml"), with_column).unwrap();
     let objective = |name: &str| {
-        let output = gearwise(folder.path(), &["optimize", name, "--catalog", "motors.csv", "--json"]);
+        let output = gearwise_in(folder.path(), &["optimize", name, "--catalog", "motors.csv", "--json"]);
         let json: Value = serde_json::from_slice(&output.stdout)
             .unwrap_or_else(|e| panic!("{e}: {}", String::from_utf8_lossy(&output.stderr)));
         json["robot"]["choice"]["best"]["objective"].as_f64().unwrap()
@@ -250,7 +242,7 @@ fn a_column_of_torque_per_mass_is_read_with_the_motion() {
     let text = fs::read_to_string(&path).unwrap();
     let end = text.rfind("2.1").unwrap();
     fs::write(&path, format!("{}2.2\n", &text[..end])).unwrap();
-    let output = gearwise(folder.path(), &["optimize", "column.toml", "--catalog", "motors.csv"]);
+    let output = gearwise_in(folder.path(), &["optimize", "column.toml", "--catalog", "motors.csv"]);
     let errors = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(2), "{errors}");
     assert!(errors.contains("but `torque_per_mass_elbow` does not") && errors.contains("shoulder.csv:6"), "{errors}");
@@ -272,7 +264,7 @@ fn two_joints_in_opposite_phase_need_the_power_of_one() {
             format!("name = \"legs\"\n[bus]\nvoltage = \"48 V\"\n[budget]\npower = \"100 kW\"\n{joint}"),
         )
         .unwrap();
-        let output = gearwise(folder.path(), &["optimize", "legs.toml", "--catalog", "motors.csv", "--json"]);
+        let output = gearwise_in(folder.path(), &["optimize", "legs.toml", "--catalog", "motors.csv", "--json"]);
         let json: Value = serde_json::from_slice(&output.stdout)
             .unwrap_or_else(|e| panic!("{e}: {}", String::from_utf8_lossy(&output.stderr)));
         json["robot"]["choice"]["best"]["peak_power_w"].as_f64().unwrap()

@@ -2,11 +2,15 @@
 
 use super::model::Model;
 use super::stretch::Stretch;
-use crate::effects::{Equation, Scale};
+use crate::effects::{Equation, Operating, Scale};
 use crate::measured::Use;
 use crate::measured::answer::Target;
 use crate::measured::identify::regression::Rows;
 use crate::measured::signals::{self, LowPass};
+
+/// Samples beyond noise in one direction, one after the other, that noise does not make: twice its size, some six times that are
+/// independent.
+const RUN: usize = 16;
 
 /// The band: as wide as the sampling allows, but no wider than where the differentiated noise of the
 /// speed stays below the noise of the target.
@@ -125,12 +129,26 @@ fn usable(s: &Stretch, target: Target) -> Vec<bool> {
         return mask;
     }
     let still = s.points.iter().filter(|p| p.direction.abs() < 0.999).count();
-    // A stalled log stands on purpose.
-    if 10 * still > 7 * n {
-        return mask;
+    if 10 * still <= 7 * n {
+        for (m, p) in mask.iter_mut().zip(&s.points) {
+            *m &= p.direction.abs() > 0.5;
+        }
+    } else if target == Target::Drive {
+        // At rest friction holds whatever the load asks for: only what surely moves says something of the drive.
+        for (m, moves) in mask.iter_mut().zip(surely_moves(&s.points)) {
+            *m &= moves;
+        }
     }
-    for (m, p) in mask.iter_mut().zip(&s.points) {
-        *m &= p.direction.abs() > 0.5;
-    }
+    // Before a sensor of torque a stalled log stands on purpose.
     mask
+}
+
+/// Samples in runs of one direction that noise does not make.
+fn surely_moves(points: &[Operating]) -> Vec<bool> {
+    let mut moves = Vec::with_capacity(points.len());
+    for run in points.chunk_by(|a, b| a.direction == b.direction) {
+        let is_one = run[0].direction.abs() >= 1.0 && run.len() >= RUN;
+        moves.extend(std::iter::repeat_n(is_one, run.len()));
+    }
+    moves
 }
