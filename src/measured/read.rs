@@ -109,6 +109,21 @@ struct Plan {
     columns: Vec<Column>,
 }
 
+impl Plan {
+    /// Whether it reads the same rows as another one, for the same.
+    fn reads_the_rows_of(&self, other: &Plan) -> bool {
+        let (own, its) = (&self.recording, &other.recording);
+        let names = |plan: &Plan| plan.columns.iter().map(|c| (c.target, c.name.clone())).collect::<Vec<_>>();
+        self.joint == other.joint
+            && own.usage == its.usage
+            && self.kind == other.kind
+            && own.select.len() == its.select.len()
+            && own.select.iter().zip(&its.select).all(|(a, b)| a.asks_the_same(b))
+            && own.exclude == its.exclude
+            && names(self) == names(other)
+    }
+}
+
 /// A file of rows and what of it belongs to a log.
 #[derive(Clone)]
 struct Recording {
@@ -620,6 +635,19 @@ fn read_logs(
     }
     let mut rows: BTreeMap<usize, (String, Rows)> = BTreeMap::new();
     for (_, indices) in once {
+        let twice = |(k, i): (usize, &usize)| {
+            indices[..k].iter().any(|j| plans[*i].reads_the_rows_of(&plans[*j])).then_some(*i)
+        };
+        let doubled: Vec<usize> = indices.iter().enumerate().filter_map(twice).collect();
+        // Of a robot each joint reads them.
+        if let Some(first) = doubled.first() {
+            let recording = &plans[*first].recording;
+            let message = format!("log `{}` is here twice, with the same rows", recording.file);
+            let problem = Problem::at(recording.file_span.clone(), message, "read before");
+            root.note(
+                problem.help("rows that count twice make every ± too small; to hold out a part of a log, `select` it"),
+            );
+        }
         let of = |i: &usize| Wanted {
             select: plans[*i].recording.select.clone(),
             columns: plans[*i].columns.clone(),

@@ -248,10 +248,23 @@ pub struct Parameter {
     pub declared: Option<f64>,
     /// Fitted value; the declared one where the data do not show it.
     pub fitted: f64,
-    /// Standard error; `None` where it was held.
+    /// Standard error of the model that is named; `None` where it was held.
     pub standard_error: Option<f64>,
+    /// What these logs leave undecided beyond that.
+    pub undecided: Option<Undecided>,
     /// SI unit.
     pub unit: &'static str,
+}
+
+/// An effect that was asked and is neither shown nor ruled out, or two, and what they would make of a number.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Undecided {
+    /// Which.
+    pub effect: &'static dyn Effect,
+    /// A second one that hides it.
+    pub beside: Option<&'static dyn Effect>,
+    /// By how much the number would differ with them, times how likely it is that they lower the error of other data.
+    pub by: f64,
 }
 
 /// By how much a fitted number must differ from the declared one to be called off: in standard errors, and as a share.
@@ -261,14 +274,19 @@ const OFF: (f64, f64) = (3.0, 0.02);
 pub const INTERVAL: f64 = 1.96;
 
 impl Parameter {
-    /// Its ± (95 %); `None` where it was held.
+    /// Its ± (95 %), with what is undecided; `None` where it was held.
     pub fn tolerance(&self) -> Option<f64> {
-        self.standard_error.map(|error| INTERVAL * error)
+        self.error().map(|error| INTERVAL * error)
+    }
+
+    /// Its standard error, with what is undecided.
+    fn error(&self) -> Option<f64> {
+        self.standard_error.map(|error| error.hypot(self.undecided.map_or(0.0, |u| u.by)))
     }
 
     /// By what share the logs want it changed, where that is sure and enough to matter.
     pub fn shift(&self) -> Option<f64> {
-        let (declared, error) = (self.declared.filter(|d| *d != 0.0)?, self.standard_error?);
+        let (declared, error) = (self.declared.filter(|d| *d != 0.0)?, self.error()?);
         let change = self.fitted / declared - 1.0;
         ((self.fitted - declared).abs() > OFF.0 * error && change.abs() > OFF.1).then_some(change)
     }

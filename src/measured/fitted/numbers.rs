@@ -120,17 +120,18 @@ impl<'a> Fits<'a> {
     fn raw(&self, report: usize, name: &str) -> Option<Number> {
         let p = self.parameter(report, name)?;
         let error = p.standard_error.filter(|e| e.is_finite() && p.fitted.is_finite())?;
+        let loose = p.undecided.map_or(0.0, |u| u.by * u.by);
         if let Some(place) = self.place(report, name) {
-            return Some(Number { value: p.fitted, by: vec![(place, 1.0)], loose: 0.0 });
+            return Some(Number { value: p.fitted, by: vec![(place, 1.0)], loose });
         }
         // A load that seems scaled by s is a torque constant of K/s.
         if let ("torque_constant", Some(place), Some(motor)) =
             (name, self.place(report, "load_scale"), &self.bench.declared.motor)
         {
             let slope = -p.fitted * p.fitted / motor.torque_constant;
-            return Some(Number { value: p.fitted, by: vec![(place, slope)], loose: 0.0 });
+            return Some(Number { value: p.fitted, by: vec![(place, slope)], loose });
         }
-        Some(Number { value: p.fitted, by: Vec::new(), loose: error * error })
+        Some(Number { value: p.fitted, by: Vec::new(), loose: loose + error * error })
     }
 
     /// What torques of a report are to be multiplied with. Where the known load shows the torque constant, the equation is

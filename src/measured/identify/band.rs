@@ -4,7 +4,7 @@
 //! by more than the information that was cut off allows, something else is in it, and the band goes down until two agree.
 
 use super::balance::{Balance, Setting};
-use super::numbers::errors;
+use super::numbers::{Numbers, errors};
 use super::work::Work;
 use crate::effects::{Effect, Named, Shape};
 use crate::words::number;
@@ -71,8 +71,8 @@ pub fn dependent(work: &Work, setting: &Setting) -> Vec<Dependent> {
         other.take_out(ripple);
     }
     other.add_again(work.terms.clone());
-    let (names, matrix, values, _) = errors(work);
-    let (other_names, other_matrix, other_values, _) = errors(&other);
+    let Numbers { names, covariance: matrix, values, .. } = errors(work);
+    let Numbers { names: other_names, covariance: other_matrix, values: other_values, .. } = errors(&other);
     let find = |names: &[String], name: &str| names.iter().position(|n| n == name);
     let mut found = Vec::new();
     for effect in asked {

@@ -5,6 +5,7 @@ use nalgebra::DMatrix;
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
+use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::balance::visible;
 use super::flexible::{drift, order_scores};
@@ -14,7 +15,7 @@ use super::travel;
 use super::work::{Fit, Kind, Term, Work};
 use crate::effects::{EFFECTS, Effect, Shape, Variable};
 use crate::measured::answer::evidence::{Asked, Gain};
-use crate::measured::answer::{Base, Ground, INTERVAL, Refused};
+use crate::measured::answer::{Base, Ground, INTERVAL, Refused, Undecided};
 use crate::measured::select::CHANCE;
 use crate::numerics::sums::{finite_sum, paired};
 
@@ -66,6 +67,8 @@ pub struct Candidate {
     pub scores: Scores,
     /// Its columns.
     pub columns: Vec<Vec<f64>>,
+    /// By how much each number of the model differs with it.
+    pub shifts: Vec<f64>,
 }
 
 /// Two candidates that earn their names beside each other.
@@ -134,8 +137,9 @@ impl Selection {
     }
 
     /// What every effect that could be asked and is not in the model would still take away, the strongest first, and
-    /// all of them together. What could not be asked after all is refused with its reason.
-    pub fn asked(&mut self, work: &Work, fit: &Fit) -> (Vec<Asked>, Gain) {
+    /// all of them together; and what they leave undecided of each number of the model. What could not be asked after all is
+    /// refused with its reason.
+    pub fn asked(&mut self, work: &Work, fit: &Fit) -> (Vec<Asked>, Gain, Vec<Option<Undecided>>) {
         let out = |e: &&'static dyn Effect| e.shape() == Shape::Order || !work.terms.iter().any(|t| is(t, *e));
         let open: Vec<&'static dyn Effect> = self.open.iter().copied().filter(out).collect();
         let candidates = evaluate_all(work, fit, &open);
@@ -151,7 +155,7 @@ impl Selection {
         let one = |c: &Candidate| Asked { name: c.effect.name(), gain: Gain::new(&fit.left_out, &c.left_out) };
         let mut asked: Vec<Asked> = candidates.iter().map(one).collect();
         asked.sort_by(|a, b| b.gain.share.total_cmp(&a.gain.share));
-        (asked, together)
+        (asked, together, undecided(work, fit, &candidates))
     }
 
     fn is_barred(&self, effect: &dyn Effect, shape: f64) -> bool {
@@ -705,7 +709,50 @@ pub fn evaluate(work: &Work, fit: &Fit, effect: &'static dyn Effect, shape: f64)
     let scores = Scores::new(&blocks, p, |b| work.fits(b));
     let sure = informed(&fit.left_out, &left_out, &scores.expected_falls(), scores.variance());
     let values = values_of(effect, shape, (0..columns.len()).map(|j| solution.coefficients[p + j]));
-    Some(Candidate { effect, shape, values, left_out, gain, sure, scores, columns })
+    let shifts = (0..p).map(|j| solution.coefficients[j] - fit.solution.coefficients[j]).collect();
+    Some(Candidate { effect, shape, values, left_out, gain, sure, scores, columns, shifts })
+}
+
+/// What effects that are not in the model would make of each of its numbers: of each the one, or the two, that move it most, as far
+/// as the mean of both models, each as likely as it is better on other data (S. T. Buckland, K. P. Burnham and N. H. Augustin,
+/// *Biometrics* 53, 1997). Two, because friction that grows with speed and friction that falls hide each other.
+fn undecided(work: &Work, fit: &Fit, candidates: &[Candidate]) -> Vec<Option<Undecided>> {
+    let is_plausible = |effect: &dyn Effect, values: &[f64]| effect.plausible(values, &work.balance.scale).is_ok();
+    let columns = work.columns().len();
+    let mut models: Vec<(Undecided, Vec<f64>)> = Vec::new();
+    let mut add = |effect, beside, sure: f64, shifts: Vec<f64>| {
+        let by = Normal::standard().cdf(sure);
+        if by.is_finite() {
+            models.push((Undecided { effect, beside, by }, shifts));
+        }
+    };
+    for candidate in candidates.iter().filter(|c| is_plausible(c.effect, &c.values)) {
+        add(candidate.effect, None, candidate.sure, candidate.shifts.clone());
+    }
+    for first in candidates.iter().filter(|c| c.effect.is_basic()) {
+        let mut with = work.clone();
+        with.terms.push(Term {
+            kind: Kind::Effect(first.effect, first.shape),
+            columns: first.columns.clone(),
+            declared: None,
+        });
+        let beside = with.fit();
+        let others: Vec<&'static dyn Effect> =
+            candidates.iter().map(|c| c.effect).filter(|e| *e != first.effect && e.shape() != Shape::Order).collect();
+        for second in evaluate_all(&with, &beside, &others) {
+            let now = |j: usize| beside.solution.coefficients[j] + second.shifts[j];
+            let own = values_of(first.effect, first.shape, (columns..second.shifts.len()).map(now));
+            if is_plausible(first.effect, &own) && is_plausible(second.effect, &second.values) {
+                let shifts = (0..columns).map(|j| now(j) - fit.solution.coefficients[j]).collect();
+                add(second.effect, Some(first.effect), paired(&fit.left_out, &second.left_out), shifts);
+            }
+        }
+    }
+    let of = |j: usize| {
+        let all = models.iter().map(|(model, shifts)| Undecided { by: model.by * shifts[j].abs(), ..*model });
+        all.filter(|u| u.by.is_finite() && u.by > 0.0).max_by(|a, b| a.by.total_cmp(&b.by))
+    };
+    (0..columns).map(of).collect()
 }
 
 /// What share of the square of each extra column the model's `p` columns do not make up.

@@ -1,23 +1,59 @@
 //! Every fitted number with its error.
 
 use super::candidates::Selection;
-use super::regression::{Blocks, Solution, covariance, solve};
+use nalgebra::DMatrix;
+
+use super::regression::{Blocks, covariance, solve};
 use super::ripple;
 use super::work::{Kind, Term, Work};
 use crate::effects::{EFFECTS, Effect, FittedEffect, Named, Shape, Variable};
-use crate::measured::answer::{Base, Found, Parameter};
+use crate::measured::answer::{Base, Found, Parameter, Undecided};
+
+/// Every fitted number of a model, with its error.
+pub struct Numbers {
+    /// Names.
+    pub names: Vec<String>,
+    /// Covariance.
+    pub covariance: DMatrix<f64>,
+    /// Values.
+    pub values: Vec<f64>,
+    /// The column of the model that each is the factor of; a shape is of none.
+    columns: Vec<Option<usize>>,
+}
+
+impl Numbers {
+    /// One number, of the first column.
+    #[cfg(test)]
+    pub fn of_one(name: &str, value: f64, variance: f64) -> Numbers {
+        Numbers {
+            names: vec![name.into()],
+            covariance: DMatrix::from_element(1, 1, variance),
+            values: vec![value],
+            columns: vec![Some(0)],
+        }
+    }
+
+    /// A number with its error, and with what is undecided of each column.
+    fn of(&self, name: &str, undecided: &[Option<Undecided>]) -> Option<(f64, f64, Option<Undecided>)> {
+        let k = self.names.iter().position(|n| n == name)?;
+        let undecided = self.columns[k].and_then(|column| undecided.get(column).copied().flatten());
+        Some((self.values[k], self.covariance[(k, k)].max(0.0).sqrt(), undecided))
+    }
+}
 
 /// Names, covariance and values of every fitted number; shape parameters by their derivative.
-pub fn errors(work: &Work) -> (Vec<String>, nalgebra::DMatrix<f64>, Vec<f64>, Solution) {
+pub fn errors(work: &Work) -> Numbers {
     let fit = work.fit();
     let mut names = Vec::new();
     let mut values: Vec<f64> = Vec::new();
     let mut columns: Vec<Vec<f64>> = Vec::new();
+    let mut of: Vec<Option<usize>> = Vec::new();
     for (t, term) in work.terms.iter().enumerate() {
         let offset = work.offset(t);
         let coefficients: Vec<f64> = (0..term.columns.len()).map(|j| fit.solution.coefficients[offset + j]).collect();
         columns.extend(term.columns.iter().cloned());
         values.extend(&coefficients);
+        of.extend((0..coefficients.len()).map(|j| Some(offset + j)));
         match term.kind {
             Kind::Base(index) => names.push(work.balance.base[index].which.name().to_string()),
             Kind::Effect(effect, shape) => {
@@ -43,6 +79,7 @@ pub fn errors(work: &Work) -> (Vec<String>, nalgebra::DMatrix<f64>, Vec<f64>, So
                     columns.push(slope);
                     names.push(Named::new(effect, Some(shape), effect.parameters()[effect.linear()].name).to_string());
                     values.push(shape);
+                    of.push(None);
                 }
             }
         }
@@ -52,38 +89,35 @@ pub fn errors(work: &Work) -> (Vec<String>, nalgebra::DMatrix<f64>, Vec<f64>, So
     let references: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
     let blocks = Blocks::new(&work.balance.rows, &references, &residual);
     let solution = solve(&blocks.total(|b| work.fits(b)));
-    let matrix = covariance(&blocks, &solution, |b| work.fits(b));
-    (names, matrix, values, solution)
+    let covariance = covariance(&blocks, &solution, |b| work.fits(b));
+    Numbers { names, covariance, values, columns: of }
 }
 
 /// The parameters of the declared model, fitted or held.
-pub fn parameters(
-    work: &Work,
-    names: &[String],
-    matrix: &nalgebra::DMatrix<f64>,
-    values: &[f64],
-    held: &[Base],
-) -> Vec<Parameter> {
+pub fn parameters(work: &Work, numbers: &Numbers, undecided: &[Option<Undecided>], held: &[Base]) -> Vec<Parameter> {
     let mut list = Vec::new();
-    let error = |name: &str| names.iter().position(|n| n == name).map(|i| (values[i], matrix[(i, i)].max(0.0).sqrt()));
+    let error = |name: &str| numbers.of(name, undecided);
     for base in &work.balance.base {
         match error(base.which.name()) {
             // A load that seems scaled is a torque constant that is.
-            Some((value, error)) if base.which == Base::LoadScale => {
+            Some((value, error, undecided)) if base.which == Base::LoadScale => {
                 let constant = work.balance.scale.torque_constant;
+                let slope = constant / (value * value);
                 list.push(Parameter {
                     name: Base::TorqueConstant.name().into(),
                     declared: Some(constant),
                     fitted: constant / value,
-                    standard_error: Some(constant * error / (value * value)),
+                    standard_error: Some(slope * error),
+                    undecided: undecided.map(|u| Undecided { by: slope * u.by, ..u }),
                     unit: Base::TorqueConstant.unit(),
                 });
             }
-            Some((value, error)) => list.push(Parameter {
+            Some((value, error, undecided)) => list.push(Parameter {
                 name: base.which.name().into(),
                 declared: base.declared,
                 fitted: value,
                 standard_error: Some(error),
+                undecided,
                 unit: base.which.unit(),
             }),
             None if held.contains(&base.which) => {
@@ -93,6 +127,7 @@ pub fn parameters(
                         declared: base.declared,
                         fitted: declared,
                         standard_error: None,
+                        undecided: None,
                         unit: base.which.unit(),
                     });
                 }
@@ -104,12 +139,13 @@ pub fn parameters(
         let Some((effect, shape)) = term.effect() else { continue };
         for (j, parameter) in effect.parameters()[..effect.linear()].iter().enumerate() {
             let name = Named::new(effect, Some(shape), parameter.name).to_string();
-            if let Some((value, error)) = error(&name) {
+            if let Some((value, error, undecided)) = error(&name) {
                 list.push(Parameter {
                     name,
                     declared: term.declared.as_ref().map(|d| d[j]),
                     fitted: value,
                     standard_error: Some(error),
+                    undecided,
                     unit: parameter.kind.si,
                 });
             }
@@ -122,6 +158,7 @@ pub fn parameters(
                 declared: Some(*value),
                 fitted: *value,
                 standard_error: None,
+                undecided: None,
                 unit: parameter.kind.si,
             });
         }
@@ -164,6 +201,7 @@ fn of_ripple(work: &Work, list: &mut Vec<Found>) {
                     declared: None,
                     fitted: values[j],
                     standard_error: Some(line.covariance[j][j].max(0.0).sqrt()),
+                    undecided: None,
                     unit: parameter.kind.si,
                 });
             }
@@ -193,9 +231,8 @@ fn of_ripple(work: &Work, list: &mut Vec<Found>) {
 }
 
 /// The effects that the declared model lacked.
-pub fn found(work: &Work, selection: &Selection) -> Vec<Found> {
+pub fn found(work: &Work, selection: &Selection, numbers: &Numbers, undecided: &[Option<Undecided>]) -> Vec<Found> {
     let fit = work.fit();
-    let (names, matrix, values, _) = errors(work);
     let mut list: Vec<Found> = Vec::new();
     let missing = |t: &Term| t.declared.is_none() && t.effect().is_some();
     for (t, term) in work.terms.iter().enumerate().filter(|(_, t)| missing(t)) {
@@ -215,14 +252,16 @@ pub fn found(work: &Work, selection: &Selection) -> Vec<Found> {
                     declared: None,
                     fitted: shape,
                     standard_error: Some(0.5 * shape * slope.1 / slope.0.abs().max(f64::MIN_POSITIVE)),
+                    undecided: None,
                     unit: parameter.kind.si,
                 });
-            } else if let Some(i) = names.iter().position(|n| *n == name) {
+            } else if let Some((fitted, error, undecided)) = numbers.of(&name, undecided) {
                 parameters.push(Parameter {
                     name: named.within(),
                     declared: None,
-                    fitted: values[i],
-                    standard_error: Some(matrix[(i, i)].max(0.0).sqrt()),
+                    fitted,
+                    standard_error: Some(error),
+                    undecided,
                     unit: parameter.kind.si,
                 });
             }

@@ -13,6 +13,8 @@ use crate::measured::answer::{
     Artefact, Base, Finding, Found, Ground, Parameter, Pictures, Report, Stage, Step, Target, Unexplained,
 };
 
+/// What is undecided is most of a ± from so many standard errors of the model on.
+const MOSTLY: f64 = 2.0;
 /// What does less than this many times the instrument's noise does nothing.
 const STILL: f64 = 1.3;
 
@@ -115,8 +117,9 @@ pub fn report(
     let last = work.stage(Step::Final, &fit);
     let accounted = (last.fit_vaf, last.held_out_vaf);
     stages.push(last);
-    let effects = found(&work, &selection);
-    let (asked, together) = selection.asked(&work, &fit);
+    let (asked, together, undecided) = selection.asked(&work, &fit);
+    let numbers = errors(&work);
+    let effects = found(&work, &selection, &numbers, &undecided);
     let before = declared_residual(work.bench, &work.balance, false);
     let refitting = Gain::new(&block_squares(&work, &before), &fit.left_out);
     // Against a constant: what a model without any column would say.
@@ -155,8 +158,7 @@ pub fn report(
     };
     let (zeros, findings) = super::artefacts::zeros(&work);
     artefacts.extend(zeros);
-    let (names, matrix, solution, _) = errors(&work);
-    let parameters = parameters(&work, &names, &matrix, &solution, &held);
+    let parameters = parameters(&work, &numbers, &undecided, &held);
     let pictures = Pictures {
         time: work.balance.rows.time.clone(),
         log: work.balance.rows.log.clone(),
@@ -187,6 +189,8 @@ pub fn report(
         }));
     }
     remarks.extend(convention(&parameters));
+    let named = effects.iter().flat_map(|e| e.parameters.iter().map(|p| (format!("{}.{}", e.name(), p.name), p)));
+    remarks.extend(named.chain(parameters.iter().map(|p| (p.name.clone(), p))).filter_map(|(name, p)| loose(&name, p)));
     let next_runs = next_runs(&effects, &selection, &left, &work);
     // Another order of what was found is told with what the verdict rests on.
     selection.refused.retain(|r| !effects.iter().any(|e| e.name() == r.name));
@@ -209,8 +213,8 @@ pub fn report(
             .collect(),
         next_runs,
         remarks,
-        fitted_names: names,
-        covariance: matrix.row_iter().map(|r| r.iter().copied().collect()).collect(),
+        fitted_names: numbers.names,
+        covariance: numbers.covariance.row_iter().map(|r| r.iter().copied().collect()).collect(),
         pictures,
     }
 }
@@ -226,19 +230,31 @@ fn convention(parameters: &[Parameter]) -> Option<String> {
         (3.0_f64.sqrt().recip(), "a current of the q axis that is taken for a phase current in rms"),
         (2.0_f64.sqrt().recip(), "an amplitude that is taken for a current in rms"),
     ];
-    let named = |base: Base| parameters.iter().find(|p| p.name == base.name());
+    // A hint to check, no claim: what is undecided does not hide it.
+    let alone = |p: &Parameter| Parameter { undecided: None, ..p.clone() };
+    let named = |base: Base| parameters.iter().find(|p| p.name == base.name()).map(alone);
     let off = |p: &Parameter| Some((1.0 + p.shift()?, p.tolerance()? / p.declared?));
     let is = |(ratio, error): (f64, f64), factor: f64| (ratio / factor - 1.0).abs() < 0.015 + error.min(0.01);
     let inductance = named(Base::Inductance).and_then(|p| Some((p.fitted / p.declared?, p.tolerance()? / p.declared?)));
     let alike = |factor: f64| inductance.is_none_or(|(l, e)| (l / factor - 1.0).abs() < 0.03 + e);
     let (base, ratio, what) = [Base::TorqueConstant, Base::Resistance].into_iter().find_map(|base| {
-        let (ratio, error) = named(base).and_then(off)?;
+        let (ratio, error) = off(&named(base)?)?;
         let is_it = |f: f64| is((ratio, error), f) && (base != Base::Resistance || alike(f));
         let (_, what) = of_current.into_iter().find(|(f, _)| is_it(*f))?;
         Some((base, ratio, what))
     })?;
     let name = base.name().replace('_', " ");
-    Some(format!("the {name} is {ratio:.3} times the declared one, as {what} would make it: check `convention`"))
+    Some(format!("the {name} comes out {ratio:.3} times the declared one, as {what} would make it: check `convention`"))
+}
+
+/// What the ± of a number is mostly made of, where that is not the scatter of these logs.
+fn loose(name: &str, parameter: &Parameter) -> Option<String> {
+    let undecided =
+        parameter.undecided.filter(|u| parameter.standard_error.is_some_and(|error| u.by > MOSTLY * error))?;
+    let effect = undecided.effect.name();
+    Some(format!(
+        "the ± of `{name}` is mostly what `{effect}` would make of it, which these logs neither show nor rule out"
+    ))
 }
 
 /// Squared residuals of each block that is for fitting; NaN of the others.

@@ -234,6 +234,7 @@ mod tests {
             declared: Some(0.2),
             fitted: 0.7,
             standard_error: Some(0.01),
+            undecided: None,
             unit: "N*m",
         }];
         report.effects.clear();

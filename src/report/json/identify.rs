@@ -249,12 +249,27 @@ pub struct Parameter<'a> {
     pub declared: Option<f64>,
     /// As fitted; the declared one where the logs do not show it.
     pub fitted: Option<f64>,
-    /// ± of 95 %; `null` where it was held.
+    /// ± of 95 %, with what is undecided; `null` where it was held.
     pub plus_minus: Option<f64>,
-    /// Standard error; `null` where it was held.
+    /// Standard error of the model that is named; `null` where it was held.
     pub standard_error: Option<f64>,
+    /// The effect that these logs neither show nor rule out and that would move it most, and how far that counts; `null` where
+    /// there is none.
+    pub undecided: Option<Undecided>,
     /// Unit of all three.
     pub unit: &'static str,
+}
+
+/// What an effect that is not decided would make of a number.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Undecided {
+    /// Which effect.
+    pub effect: &'static str,
+    /// A second one that hides it, where there is one.
+    pub beside: Option<&'static str>,
+    /// By how much the number would differ, times how likely the effects lower the error on other data; in the number's unit,
+    /// added to the standard error as the root of squares.
+    pub by: f64,
 }
 
 /// An effect that the declared model lacked.
@@ -514,6 +529,11 @@ impl<'a> Parameter<'a> {
             fitted: finite(p.fitted),
             plus_minus: p.tolerance().and_then(finite),
             standard_error: p.standard_error.and_then(finite),
+            undecided: p.undecided.map(|u| Undecided {
+                effect: u.effect.name(),
+                beside: u.beside.map(|e| e.name()),
+                by: u.by,
+            }),
             unit: unit_on(bench, p.unit),
         }
     }

@@ -384,6 +384,15 @@ fn selections_by_several_values_and_by_size() {
     refused(&both, log.as_bytes(), &["6 rows of", "both to fit and held out"]);
 }
 
+/// Rows that count twice make every ± too small; two parts of one file are two logs.
+#[test]
+fn a_log_is_read_once() {
+    let again = |more: &str| format!("{BENCH}[[log]]\nfile = \"log.csv\"\n{more}");
+    refused(&again(""), LOG.as_bytes(), &["log `log.csv` is here twice, with the same rows", "bench.toml:14:8"]);
+    let parts = again("select = { column = \"t_ms\", max = 20 }\n");
+    assert_eq!(good(&parts, LOG).logs.len(), 2);
+}
+
 #[test]
 fn what_is_missing_or_repeated_is_counted() {
     let bench = good(

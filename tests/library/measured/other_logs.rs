@@ -19,6 +19,8 @@ const ROTOR: f64 = 4e-5;
 #[derive(Clone, Copy)]
 struct Machine {
     coulomb: f64,
+    /// What is added to it at rest, and the speed of the motor over which it goes.
+    stribeck: (f64, f64),
     viscous: f64,
     load_friction: f64,
     inertia: f64,
@@ -28,7 +30,8 @@ struct Machine {
 
 impl Machine {
     fn friction(&self, speed: f64, transmitted: f64) -> f64 {
-        (self.coulomb + self.load_friction * transmitted.abs()) * (speed / 0.02).clamp(-1.0, 1.0) + self.viscous * speed
+        let dry = self.coulomb + self.stribeck.0 * (-(speed / self.stribeck.1).abs()).exp();
+        (dry + self.load_friction * transmitted.abs()) * (speed / 0.02).clamp(-1.0, 1.0) + self.viscous * speed
     }
 }
 
@@ -71,6 +74,10 @@ fn sines(seed: u64, size: f64) -> impl Fn(f64) -> f64 {
 
 /// A log of current over a motion that is made exactly: inverse dynamics.
 fn current_log(machine: Machine, seed: u64) -> String {
+    noisy_log(machine, seed, 0.05)
+}
+
+fn noisy_log(machine: Machine, seed: u64, noise: f64) -> String {
     let angle = sines(seed, 1.0);
     let mut random = Random::new(seed, "instruments");
     let mut text = "t,q,i\n".to_string();
@@ -81,7 +88,7 @@ fn current_log(machine: Machine, seed: u64) -> String {
         let (speed, acceleration) = ((after - before) / (2.0 * step), (after - 2.0 * now + before) / (step * step));
         let transmitted = (machine.inertia * acceleration + machine.weight * (now - machine.hangs_at).sin()) / RATIO;
         let torque = transmitted + ROTOR * RATIO * acceleration + machine.friction(RATIO * speed, transmitted);
-        let current = torque / TORQUE_CONSTANT + 0.05 * random.normal();
+        let current = torque / TORQUE_CONSTANT + noise * random.normal();
         let _ = writeln!(text, "{t:.4},{:.6},{current:.5}", now + 1e-5 * random.normal());
     }
     text
@@ -95,8 +102,15 @@ const CURRENT: &str = "position = { name = \"q\", unit = \"rad\", side = \"outpu
 #[test]
 fn a_weight_that_is_fitted_shows_what_the_gear_loses_of_it() {
     for (loss, seed) in [(0.2, 1), (0.12, 2), (0.0, 3)] {
-        let machine =
-            Machine { coulomb: 0.05, viscous: 4e-4, load_friction: loss, inertia: 0.3, weight: 12.0, hangs_at: 0.3 };
+        let machine = Machine {
+            coulomb: 0.05,
+            stribeck: (0.0, 1.0),
+            viscous: 4e-4,
+            load_friction: loss,
+            inertia: 0.3,
+            weight: 12.0,
+            hangs_at: 0.3,
+        };
         let folder = tempfile::tempdir().unwrap();
         let logs = [current_log(machine, seed), current_log(machine, seed + 10)];
         let reports = identified(folder.path(), "free", "", CURRENT, &logs);
@@ -151,9 +165,16 @@ const CONTROLLER: &str = "controller = { kp = \"20 N*m/rad\", damping = \"0.6 N*
 /// there is none.
 #[test]
 fn a_law_of_torque_needs_goal_and_position_alone() {
-    let machine =
-        Machine { coulomb: 0.08, viscous: 3e-4, load_friction: 0.0, inertia: 0.05, weight: 2.0, hangs_at: 0.0 };
-    let none = Machine { coulomb: 0.0, viscous: 0.0, ..machine };
+    let machine = Machine {
+        coulomb: 0.08,
+        stribeck: (0.0, 1.0),
+        viscous: 3e-4,
+        load_friction: 0.0,
+        inertia: 0.05,
+        weight: 2.0,
+        hangs_at: 0.0,
+    };
+    let none = Machine { coulomb: 0.0, stribeck: (0.0, 1.0), viscous: 0.0, ..machine };
     for (machine, has) in [(machine, true), (none, false)] {
         let folder = tempfile::tempdir().unwrap();
         let logs: Vec<String> = (1..=4).map(|seed| law_log(machine, seed)).collect();
@@ -173,8 +194,15 @@ fn a_law_of_torque_needs_goal_and_position_alone() {
 /// What the bench file rules out is not named, and then nothing is said to be complete.
 #[test]
 fn what_is_ruled_out_is_neither_named_nor_forgotten() {
-    let machine =
-        Machine { coulomb: 0.08, viscous: 4e-4, load_friction: 0.0, inertia: 0.3, weight: 6.0, hangs_at: 0.0 };
+    let machine = Machine {
+        coulomb: 0.08,
+        stribeck: (0.0, 1.0),
+        viscous: 4e-4,
+        load_friction: 0.0,
+        inertia: 0.3,
+        weight: 6.0,
+        hangs_at: 0.0,
+    };
     let load = "load = { inertia = \"0.3 kg*m^2\", gravity_torque = \"6 N*m\" }";
     let logs = [current_log(machine, 5), current_log(machine, 15)];
     let without = |names: &str| {
@@ -230,5 +258,100 @@ fn a_shaft_at_rest_says_nothing_of_its_drive() {
                 Err(why) => assert!(rows == 0 && why.contains("at rest"), "{why}"),
             }
         }
+    }
+}
+
+/// Friction that grows and friction that falls with speed hide each other: neither is named, and Coulomb friction alone comes out too
+/// large. Its ± holds the truth, and says whose it is. Where nothing is hidden the ± is that of the model.
+#[test]
+fn what_is_neither_shown_nor_ruled_out_is_in_the_error() {
+    let hidden = Machine {
+        coulomb: 0.0774,
+        stribeck: (0.0371, 1.26),
+        viscous: 2e-4,
+        load_friction: 0.0,
+        inertia: 0.3,
+        weight: 0.0,
+        hangs_at: 0.0,
+    };
+    let plain = Machine { stribeck: (0.0, 1.0), viscous: 0.0, ..hidden };
+    for (machine, noise, is_hidden) in [(hidden, 0.33, true), (plain, 0.05, false)] {
+        let folder = tempfile::tempdir().unwrap();
+        let logs = [noisy_log(machine, 25, noise), noisy_log(machine, 1025, noise)];
+        let reports = identified(folder.path(), "free", "load = { inertia = \"0.3 kg*m^2\" }", CURRENT, &logs);
+        assert_eq!(reports[0].effects.len(), 1, "{:?}", reports[0].effects);
+        let coulomb = &reports[0].effects[0].parameters[0];
+        let off = (coulomb.fitted - machine.coulomb).abs();
+        let (own, whole) = (1.96 * coulomb.standard_error.unwrap(), coulomb.tolerance().unwrap());
+        let remarked = reports[0].remarks.iter().any(|r| r.contains("neither show nor rule out"));
+        assert!(off <= whole, "{coulomb:?}");
+        if is_hidden {
+            assert!(off > 3.0 * own && remarked && coulomb.undecided.is_some(), "{coulomb:?}");
+        } else {
+            assert!(whole < 2.0 * own && !remarked, "{coulomb:?} {:?}", reports[0].remarks);
+        }
+    }
+}
+
+/// How often the ± of a number holds the truth, where friction has parts that are too small to be named: of the model that is
+/// named alone, and with what is undecided.
+#[test]
+#[ignore = "slow: the score, not a check"]
+fn score_of_intervals() {
+    let given = |name: &str, else_: u64| std::env::var(name).map_or(else_, |n| n.parse().expect("a number"));
+    let first = given("GEARWISE_FIRST", 1);
+    let mut counts: std::collections::BTreeMap<(bool, &str), [usize; 3]> = std::collections::BTreeMap::new();
+    let mut widths: std::collections::BTreeMap<(bool, &str), Vec<f64>> = std::collections::BTreeMap::new();
+    for seed in first..first + given("GEARWISE_SEEDS", 30) {
+        let mut random = Random::new(seed, "intervals");
+        let coulomb = random.within(0.02, 0.1);
+        let has_parts = seed % 3 != 0;
+        let machine = Machine {
+            coulomb,
+            stribeck: (if has_parts { coulomb * random.within(0.1, 0.5) } else { 0.0 }, random.log_within(0.5, 6.0)),
+            viscous: if has_parts { random.log_within(2e-5, 5e-4) } else { 0.0 },
+            load_friction: 0.0,
+            inertia: 0.3,
+            weight: 0.0,
+            hangs_at: 0.0,
+        };
+        let noise = random.log_within(0.05, 0.6);
+        let folder = tempfile::tempdir().unwrap();
+        let logs = [noisy_log(machine, seed, noise), noisy_log(machine, seed + 1000, noise)];
+        let load = "load = { inertia = \"0.3 kg*m^2\" }";
+        let reports = identified(folder.path(), "free", load, CURRENT, &logs);
+        let mut count = |name: &'static str, truth: f64, p: &gearwise::measured::identify::Parameter| {
+            let off = (p.fitted - truth).abs();
+            let Some(error) = p.standard_error else { return };
+            let (fitted, u) = (p.fitted, p.undecided.map(|u| (u.effect.name(), u.beside.map(|e| e.name()), u.by)));
+            println!("{seed} {name}: {truth:.3e} as {fitted:.3e} ± {:.1e}; {u:?}", 1.96 * error);
+            let of = counts.entry((has_parts, name)).or_default();
+            of[0] += 1;
+            of[1] += usize::from(off <= 1.96 * error);
+            of[2] += usize::from(off <= p.tolerance().unwrap());
+            widths.entry((has_parts, name)).or_default().push(p.tolerance().unwrap() / (1.96 * error));
+        };
+        for report in &reports {
+            for effect in &report.effects {
+                match effect.name() {
+                    "coulomb_friction" => count("coulomb", machine.coulomb, &effect.parameters[0]),
+                    "viscous_friction" => count("viscous", machine.viscous, &effect.parameters[0]),
+                    _ => {}
+                }
+            }
+            for p in report.parameters.iter().filter(|p| p.name == "inertia") {
+                count("inertia", ROTOR, p);
+            }
+        }
+        let names: Vec<&str> = reports.iter().flat_map(|r| r.effects.iter().map(|e| e.name())).collect();
+        println!("{seed}: {:?}, viscous {:.1e}, noise {noise:.2}: {names:?}", machine.stribeck, machine.viscous);
+    }
+    for (key, [all, plain, whole]) in counts {
+        let of = widths.get_mut(&key).unwrap();
+        of.sort_by(f64::total_cmp);
+        println!(
+            "{key:?}: {all}, within the model's own ± {plain}, within ± {whole}; ± {:.2} times as wide",
+            of[of.len() / 2]
+        );
     }
 }

@@ -562,7 +562,7 @@ fn the_choice_is_made_again() {
 }
 
 fn parameter(name: &str, fitted: f64, standard_error: Option<f64>) -> Parameter {
-    Parameter { name: name.into(), declared: None, fitted, standard_error, unit: "1" }
+    Parameter { name: name.into(), declared: None, fitted, standard_error, undecided: None, unit: "1" }
 }
 
 /// What identification reports becomes the motor of the bench with other numbers.

@@ -108,6 +108,8 @@ fn no_number_is_lost(value: &Value, path: &str) {
                 "declared",
                 "standard_error",
                 "plus_minus",
+                "undecided",
+                "beside",
                 "better_left_out_error",
                 "far_off_percent",
                 "held_out",

@@ -192,6 +192,7 @@ fn report(target: Target, parameters: &[(&str, f64, f64)]) -> Report {
         declared: None,
         fitted: *fitted,
         standard_error: Some(*error),
+        undecided: None,
         unit: "1",
     });
     let variance = |k: usize| parameters[k].2.powi(2);

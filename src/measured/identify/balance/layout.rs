@@ -133,8 +133,8 @@ fn usable(s: &Stretch, target: Target) -> Vec<bool> {
         for (m, p) in mask.iter_mut().zip(&s.points) {
             *m &= p.direction.abs() > 0.5;
         }
-    } else if target == Target::Drive {
-        // At rest friction holds whatever the load asks for: only what surely moves says something of the drive.
+    } else if target == Target::Drive && s.fits {
+        // At rest friction holds whatever the load asks for: nothing is learnt of the drive but from what surely moves.
         for (m, moves) in mask.iter_mut().zip(surely_moves(&s.points)) {
             *m &= moves;
         }

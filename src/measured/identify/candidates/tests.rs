@@ -428,6 +428,7 @@ fn the_simpler_one_is_told_where_nothing_speaks_against_it() {
         sure: 9.0,
         scores: Scores::of_nothing(),
         columns: Vec::new(),
+        shifts: Vec::new(),
     };
     let best = candidate("stribeck_friction", 0.5, &|k| 1.0 + 0.1 * noise(k));
     let alike = |k: usize| 1.0 + 0.1 * noise(k + 50);

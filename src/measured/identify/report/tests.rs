@@ -1,9 +1,10 @@
+use super::super::numbers::Numbers;
 use super::super::steady::{CONSTANT, OVER_TIME, add, bench, bench_of, noise, work};
 use super::super::{Options, identify};
 use super::*;
 use crate::effects::Named;
 use crate::effects::{EFFECTS, Variable, effect};
-use crate::measured::answer::{ArtefactKind, Hidden, On, Refused};
+use crate::measured::answer::{ArtefactKind, Hidden, On, Refused, Undecided};
 use crate::numerics::sums::finite_sum;
 
 /// What was found, with effects that the data cannot tell from it.
@@ -168,24 +169,27 @@ fn parameters_are_told_with_their_errors() {
     let bench = bench(6.0, &[points], 0);
     let mut work = work(&bench);
     let first = work.balance.base[0].which;
-    let names = [first.name().to_string()];
-    let matrix = nalgebra::DMatrix::from_element(1, 1, 4e-4);
-    let told = parameters(&work, &names, &matrix, &[1.25], &[]);
+    let numbers = |name: &str| Numbers::of_one(name, 1.25, 4e-4);
+    let undecided = Undecided { effect: effect("eddy_drag").unwrap(), beside: None, by: 0.05 };
+    let told = parameters(&work, &numbers(first.name()), &[Some(undecided)], &[]);
     assert_eq!((told.len(), told[0].name.as_str(), told[0].declared), (1, "torque_constant", Some(CONSTANT)));
     assert_eq!((told[0].fitted, told[0].standard_error, told[0].unit), (1.25, Some(0.02), "N*m/A"));
+    assert_eq!(told[0].undecided, Some(undecided));
+    assert!((told[0].tolerance().unwrap() - 1.96 * 0.0029_f64.sqrt()).abs() < 1e-15);
     // 0.1/1.25 = 0.08, with 0.1 · 0.02/1.25².
     std::sync::Arc::make_mut(&mut work.balance).base[0].which = Base::LoadScale;
-    let told = parameters(&work, &["load_scale".to_string()], &matrix, &[1.25], &[]);
+    let told = parameters(&work, &numbers("load_scale"), &[Some(undecided)], &[]);
     assert_eq!((told.len(), told[0].name.as_str(), told[0].declared), (1, "torque_constant", Some(CONSTANT)));
     assert!((told[0].fitted - 0.08).abs() < 1e-15 && told[0].unit == "N*m/A");
     assert!((told[0].standard_error.unwrap() - 0.00128).abs() < 1e-15);
+    assert!((told[0].undecided.unwrap().by - 0.0032).abs() < 1e-15);
     std::sync::Arc::make_mut(&mut work.balance).base[0].which = first;
-    let held = parameters(&work, &[], &matrix, &[], &[first]);
+    let held = parameters(&work, &numbers("nothing"), &[], &[first]);
     assert_eq!(
         (held.len(), held[0].declared, held[0].fitted, held[0].standard_error),
         (1, Some(CONSTANT), CONSTANT, None)
     );
-    assert!(parameters(&work, &[], &matrix, &[], &[]).is_empty());
+    assert!(parameters(&work, &numbers("nothing"), &[], &[]).is_empty());
 }
 
 /// The conventions differ by √(3/2), √3 and √2 and by one over them. What is off by something else, by nothing, or not surely,
@@ -195,7 +199,7 @@ fn a_torque_constant_that_is_off_by_a_convention_says_so() {
     let one = |name: &str, ratio: f64, error: f64| {
         let (declared, fitted) = (Some(0.2), 0.2 * ratio);
         let standard_error = Some(0.2 * error);
-        Parameter { name: name.into(), declared, fitted, standard_error, unit: "N*m/A" }
+        Parameter { name: name.into(), declared, fitted, standard_error, undecided: None, unit: "N*m/A" }
     };
     let of = |name: &str, ratio: f64, error: f64| convention(&[one(name, ratio, error)]);
     let told = |ratio: f64| of("torque_constant", ratio, 0.002);

@@ -29,6 +29,13 @@ pub struct Condition {
     pub span: Span<usize>,
 }
 
+impl Condition {
+    /// Whether another one lets the same rows through.
+    pub fn asks_the_same(&self, other: &Condition) -> bool {
+        (&self.column, &self.equals, self.min, self.max) == (&other.column, &other.equals, other.min, other.max)
+    }
+}
+
 /// What a log needs of its file.
 #[derive(Debug, Clone)]
 pub struct Wanted {

@@ -49,6 +49,7 @@ pub(super) fn report(
                 declared: known(slot),
                 fitted: model.get(slot),
                 standard_error,
+                undecided: None,
                 unit,
             });
         }
@@ -78,6 +79,7 @@ pub(super) fn report(
                         declared: None,
                         fitted: *v,
                         standard_error: deviation(&format!("{}.{}", effect.name(), p.name)),
+                        undecided: None,
                         unit: p.kind.si,
                     })
                     .collect(),
