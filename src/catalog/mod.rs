@@ -6,6 +6,7 @@
 
 mod about;
 pub mod add;
+pub mod against;
 pub mod alternative;
 pub mod audit;
 pub mod convention;

@@ -1,6 +1,7 @@
 //! The pages of `docs/` that are made from the program's own registries, so that they cannot go stale: a test
 //! compares the committed pages with what is made here.
 
+mod catalogue;
 pub mod commands;
 mod effects;
 mod estimates;
@@ -21,6 +22,7 @@ pub struct Page {
 
 /// Every page but that of the commands, which belongs to the command line.
 pub const PAGES: &[Page] = &[
+    Page { file: "catalogue.md", text: catalogue::text },
     Page { file: "effects.md", text: effects::text },
     Page { file: "estimates.md", text: estimates::text },
     Page { file: "limits.md", text: limits::text },

@@ -29,6 +29,7 @@ const COMMANDS: &[(&str, Shape)] = &[
     ("catalog list", shape::<catalog::Listed>),
     ("catalog search", shape::<catalog::Listed>),
     ("catalog show", shape::<catalog::Shown>),
+    ("audit against", shape::<catalog::Compared>),
     ("catalog diff", shape::<catalog::Differ>),
     ("catalog path", shape::<catalog::Paths>),
     ("torques", shape::<torques::Answer>),

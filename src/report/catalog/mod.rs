@@ -1,5 +1,6 @@
 //! What a catalogue holds: its rows as a table, one row as a card, and what two catalogues do not have in common.
 
+pub mod against;
 pub mod card;
 pub mod diff;
 pub mod family;

@@ -7,6 +7,7 @@ use serde_json::Value;
 use super::document;
 use super::motors::AuditRemark;
 use crate::actuator::estimate::builtin_laws;
+use crate::catalog::against::Against;
 use crate::catalog::audit::Finding;
 use crate::catalog::convention::{Winding, word};
 use crate::catalog::difference::{Became, Cell, Change, Difference};
@@ -495,15 +496,46 @@ fn cell_of(change: &Change) -> DifferentCell<'_> {
 /// What is not the same in two catalogues.
 pub fn differ(differences: &[Difference]) -> Value {
     let [added, removed, changed] = counts(differences);
-    let rows = differences.iter().map(|d| {
-        let (became, changes) = match &d.became {
-            Became::Added => ("added", Vec::new()),
-            Became::Removed => ("removed", Vec::new()),
-            Became::Changed(changes) => ("changed", changes.iter().map(cell_of).collect()),
-        };
-        DifferentRow { kind: d.kind, id: &d.id, became, changes }
-    });
-    document("catalog diff", Differ { added, removed, changed, rows: rows.collect() })
+    document("catalog diff", Differ { added, removed, changed, rows: differences.iter().map(different).collect() })
+}
+
+fn different(difference: &Difference) -> DifferentRow<'_> {
+    let (became, changes) = match &difference.became {
+        Became::Added => ("added", Vec::new()),
+        Became::Removed => ("removed", Vec::new()),
+        Became::Changed(changes) => ("changed", changes.iter().map(cell_of).collect()),
+    };
+    DifferentRow { kind: difference.kind, id: &difference.id, became, changes }
+}
+
+/// What `audit --against` prints.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Compared<'a> {
+    /// Rows that both have.
+    pub both: usize,
+    /// Rows that the catalogue alone has.
+    pub own: usize,
+    /// Rows that the second source alone has.
+    pub second: usize,
+    /// Numbers that are more than 1 % apart, row by row: `before` is ours, `after` that of the second source.
+    pub apart: Vec<DifferentRow<'a>>,
+    /// Numbers that one of them lacks.
+    pub lacking: Vec<DifferentRow<'a>>,
+    /// Rows of which ampere, terminals or winding mean something else in the two: their electrical numbers are not compared.
+    pub conventions: &'a [String],
+}
+
+/// A catalogue against a second source.
+pub fn compared(found: &Against) -> Value {
+    let answer = Compared {
+        both: found.both,
+        own: found.own,
+        second: found.second,
+        apart: found.apart.iter().map(different).collect(),
+        lacking: found.lacking.iter().map(different).collect(),
+        conventions: &found.conventions,
+    };
+    document("audit against", answer)
 }
 
 /// What `catalog path` prints.

@@ -48,6 +48,7 @@ fn commands() -> Vec<(Vec<&'static str>, &'static str)> {
         (vec!["rank", "--tolerance", "5%"], "rank"),
         (vec!["compare", "t-motor-ri50", "t-motor-u8-lee"], "compare"),
         (vec!["audit"], "audit"),
+        (vec!["audit", "catalogs/gears", "--against", "catalogs/gears"], "audit against"),
         (vec!["catalog", "list", "motors", "mass<0.5kg"], "catalog list"),
         (vec!["catalog", "list", "kind=belt"], "catalog list"),
         (vec!["catalog", "search", "maxon"], "catalog search"),

@@ -1,6 +1,7 @@
 //! The command line: what it takes, prints, writes and refuses.
 
 mod answer;
+mod audit_against;
 mod basics;
 mod budgets;
 mod catalog_cli;
