@@ -52,7 +52,6 @@ pub fn against(catalog: &Catalog, second: &Catalog, names: &BTreeMap<String, Str
     second.motors.iter_mut().for_each(|m| rename(&mut m.id));
     second.gears.iter_mut().for_each(|g| rename(&mut g.id));
     second.modules.iter_mut().for_each(|m| rename(&mut m.id));
-    let rows = |c: &Catalog| c.motors.len() + c.gears.len() + c.modules.len();
     let mut found =
         Against { both: 0, own: 0, second: 0, apart: Vec::new(), lacking: Vec::new(), conventions: Vec::new() };
     for Difference { kind, id, became } in difference(catalog, &second) {
@@ -81,7 +80,8 @@ pub fn against(catalog: &Catalog, second: &Catalog, names: &BTreeMap<String, Str
         found.apart.extend((!apart.is_empty()).then(|| difference(apart)));
         found.lacking.extend((!lacking.is_empty()).then(|| difference(lacking)));
     }
-    found.both = rows(catalog) - found.own;
+    // Points of families are gears, too.
+    found.both = catalog.motors.len() + catalog.all_gears().count() + catalog.modules.len() - found.own;
     found
 }
 

@@ -638,10 +638,9 @@ fn read_logs(
         let twice = |(k, i): (usize, &usize)| {
             indices[..k].iter().any(|j| plans[*i].reads_the_rows_of(&plans[*j])).then_some(*i)
         };
-        let doubled: Vec<usize> = indices.iter().enumerate().filter_map(twice).collect();
-        // Of a robot each joint reads them.
-        if let Some(first) = doubled.first() {
-            let recording = &plans[*first].recording;
+        // Of a robot each joint reads them: the first says it for all.
+        if let Some(first) = indices.iter().enumerate().find_map(twice) {
+            let recording = &plans[first].recording;
             let message = format!("log `{}` is here twice, with the same rows", recording.file);
             let problem = Problem::at(recording.file_span.clone(), message, "read before");
             root.note(

@@ -18,6 +18,11 @@ use gearwise::requirement::{
 };
 use gearwise::transmission::SpringAt;
 
+/// A whole number of the environment, for scores on other seeds.
+pub fn given(name: &str, otherwise: u64) -> u64 {
+    std::env::var(name).map_or(otherwise, |n| n.parse().expect("a number"))
+}
+
 /// The path of a file of the repository.
 pub fn repository(path: &str) -> std::path::PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)

@@ -9,6 +9,7 @@ use std::path::Path;
 use gearwise::measured::identify::{Ground, Options, Report, Verdict, identify};
 use gearwise::measured::read::read;
 
+use crate::common::given;
 use crate::simulator::random::Random;
 
 const RATIO: f64 = 9.0;
@@ -27,6 +28,17 @@ struct Machine {
     weight: f64,
     hangs_at: f64,
 }
+
+/// A machine without friction, load or weight.
+const SMOOTH: Machine = Machine {
+    coulomb: 0.0,
+    stribeck: (0.0, 1.0),
+    viscous: 0.0,
+    load_friction: 0.0,
+    inertia: 0.0,
+    weight: 0.0,
+    hangs_at: 0.0,
+};
 
 impl Machine {
     fn friction(&self, speed: f64, transmitted: f64) -> f64 {
@@ -104,12 +116,12 @@ fn a_weight_that_is_fitted_shows_what_the_gear_loses_of_it() {
     for (loss, seed) in [(0.2, 1), (0.12, 2), (0.0, 3)] {
         let machine = Machine {
             coulomb: 0.05,
-            stribeck: (0.0, 1.0),
             viscous: 4e-4,
             load_friction: loss,
             inertia: 0.3,
             weight: 12.0,
             hangs_at: 0.3,
+            ..SMOOTH
         };
         let folder = tempfile::tempdir().unwrap();
         let logs = [current_log(machine, seed), current_log(machine, seed + 10)];
@@ -165,16 +177,8 @@ const CONTROLLER: &str = "controller = { kp = \"20 N*m/rad\", damping = \"0.6 N*
 /// there is none.
 #[test]
 fn a_law_of_torque_needs_goal_and_position_alone() {
-    let machine = Machine {
-        coulomb: 0.08,
-        stribeck: (0.0, 1.0),
-        viscous: 3e-4,
-        load_friction: 0.0,
-        inertia: 0.05,
-        weight: 2.0,
-        hangs_at: 0.0,
-    };
-    let none = Machine { coulomb: 0.0, stribeck: (0.0, 1.0), viscous: 0.0, ..machine };
+    let machine = Machine { coulomb: 0.08, viscous: 3e-4, inertia: 0.05, weight: 2.0, ..SMOOTH };
+    let none = Machine { coulomb: 0.0, viscous: 0.0, ..machine };
     for (machine, has) in [(machine, true), (none, false)] {
         let folder = tempfile::tempdir().unwrap();
         let logs: Vec<String> = (1..=4).map(|seed| law_log(machine, seed)).collect();
@@ -194,15 +198,7 @@ fn a_law_of_torque_needs_goal_and_position_alone() {
 /// What the bench file rules out is not named, and then nothing is said to be complete.
 #[test]
 fn what_is_ruled_out_is_neither_named_nor_forgotten() {
-    let machine = Machine {
-        coulomb: 0.08,
-        stribeck: (0.0, 1.0),
-        viscous: 4e-4,
-        load_friction: 0.0,
-        inertia: 0.3,
-        weight: 6.0,
-        hangs_at: 0.0,
-    };
+    let machine = Machine { coulomb: 0.08, viscous: 4e-4, inertia: 0.3, weight: 6.0, ..SMOOTH };
     let load = "load = { inertia = \"0.3 kg*m^2\", gravity_torque = \"6 N*m\" }";
     let logs = [current_log(machine, 5), current_log(machine, 15)];
     let without = |names: &str| {
@@ -265,15 +261,7 @@ fn a_shaft_at_rest_says_nothing_of_its_drive() {
 /// large. Its ± holds the truth, and says whose it is. Where nothing is hidden the ± is that of the model.
 #[test]
 fn what_is_neither_shown_nor_ruled_out_is_in_the_error() {
-    let hidden = Machine {
-        coulomb: 0.0774,
-        stribeck: (0.0371, 1.26),
-        viscous: 2e-4,
-        load_friction: 0.0,
-        inertia: 0.3,
-        weight: 0.0,
-        hangs_at: 0.0,
-    };
+    let hidden = Machine { coulomb: 0.0774, stribeck: (0.0371, 1.26), viscous: 2e-4, inertia: 0.3, ..SMOOTH };
     let plain = Machine { stribeck: (0.0, 1.0), viscous: 0.0, ..hidden };
     for (machine, noise, is_hidden) in [(hidden, 0.33, true), (plain, 0.05, false)] {
         let folder = tempfile::tempdir().unwrap();
@@ -298,7 +286,6 @@ fn what_is_neither_shown_nor_ruled_out_is_in_the_error() {
 #[test]
 #[ignore = "slow: the score, not a check"]
 fn score_of_intervals() {
-    let given = |name: &str, else_: u64| std::env::var(name).map_or(else_, |n| n.parse().expect("a number"));
     let first = given("GEARWISE_FIRST", 1);
     let mut counts: std::collections::BTreeMap<(bool, &str), [usize; 3]> = std::collections::BTreeMap::new();
     let mut widths: std::collections::BTreeMap<(bool, &str), Vec<f64>> = std::collections::BTreeMap::new();
@@ -310,10 +297,8 @@ fn score_of_intervals() {
             coulomb,
             stribeck: (if has_parts { coulomb * random.within(0.1, 0.5) } else { 0.0 }, random.log_within(0.5, 6.0)),
             viscous: if has_parts { random.log_within(2e-5, 5e-4) } else { 0.0 },
-            load_friction: 0.0,
             inertia: 0.3,
-            weight: 0.0,
-            hangs_at: 0.0,
+            ..SMOOTH
         };
         let noise = random.log_within(0.05, 0.6);
         let folder = tempfile::tempdir().unwrap();

@@ -149,9 +149,8 @@ fn a_link_that_is_heavier_than_described_is_not_called_the_payload() {
 #[ignore = "slow: the score, not a check"]
 fn score_of_masses() {
     let (mut named, mut right, mut open, mut false_names, mut friction) = (0, 0, 0, 0, (0, 0));
-    let given = |name: &str, else_: u64| std::env::var(name).map_or(else_, |n| n.parse().expect("a number"));
-    let first = given("GEARWISE_FIRST", 100);
-    let seeds = first..first + given("GEARWISE_SEEDS", 8);
+    let first = crate::common::given("GEARWISE_FIRST", 100);
+    let seeds = first..first + crate::common::given("GEARWISE_SEEDS", 8);
     for seed in seeds {
         for kind in 0..4 {
             let mut arm = Arm::new(seed);

@@ -61,6 +61,13 @@ fn what_two_sources_do_not_agree_on_is_said_and_nothing_else() {
         let output = run(&["second.csv", "--map", "ids.csv"]);
         assert!(output.status.code() == Some(2) && stderr(&output).contains(said), "{said}: {}", stderr(&output));
     }
+    // The built-in catalogue has points of families, which are rows as well.
+    let output = gearwise_in(folder.path(), &["audit", "--against", "ours.csv"]);
+    assert!(
+        stdout(&output).contains("\n0 rows in both, ") || stdout(&output).starts_with("0 rows in both, "),
+        "{}",
+        stdout(&output)
+    );
     let output = run(&["nowhere.csv"]);
     assert!(output.status.code() == Some(2) && stderr(&output).contains("nowhere.csv"), "{}", stderr(&output));
 }
