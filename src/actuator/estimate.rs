@@ -379,8 +379,6 @@ mod tests {
             (Estimated::ThermalResistance, Frameless),
             (Estimated::ThermalResistance, Housed),
             (Estimated::ThermalResistance, Outrunner),
-            (Estimated::RotorInertia, Frameless),
-            (Estimated::RotorInertia, Housed),
             (Estimated::Inductance, Outrunner),
             (Estimated::Drag, Frameless),
             (Estimated::Drag, Housed),

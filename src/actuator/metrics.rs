@@ -3,6 +3,7 @@
 //! Every metric is a monomial in a motor's parameters, so its value and the tolerance that it
 //! inherits follow from one list of exponents. A new metric is one line in [`METRICS`].
 
+use crate::catalog::estimate::Estimated;
 use crate::catalog::{Motor, Printed};
 
 /// A parameter of a motor that metrics are made of.
@@ -322,6 +323,16 @@ impl Metric {
             worst_case: any.then(|| known.iter().sum()),
             independent: any.then(|| known.iter().map(|t| t * t).sum::<f64>().sqrt()),
             complete: terms.iter().all(|(.., t)| t.is_some()),
+        })
+    }
+
+    /// Whether the metric of a motor is made from a number that no row says.
+    pub fn rests_on_estimate(&self, motor: &Motor) -> bool {
+        self.exponents.iter().any(|(parameter, _)| match parameter {
+            Parameter::RotorInertia => motor.is_estimated(Estimated::RotorInertia),
+            Parameter::Inductance => motor.is_estimated(Estimated::Inductance),
+            Parameter::ThermalResistance => motor.is_estimated(Estimated::ThermalResistance),
+            _ => false,
         })
     }
 

@@ -5,14 +5,17 @@
 //! 4.7 % higher than its q-axis equivalent; that is no error, and comparing in the sheet's own frame
 //! does not take it for one. A new check is one line in [`CHECKS`].
 
+use std::collections::HashMap;
+
 use super::convention::{
     BackEmfConvention, Commutation, CurrentConvention, SpeedConstantConvention, Terminals, Winding, word,
 };
-use super::finding::{Audited, Outcome};
+use super::finding::{Audited, Beside, Outcome};
 pub use super::finding::{Finding, Severity};
 use super::module::audit::audit_module;
-use super::outlier::{CODE as UNUSUAL, Outlier, outliers};
+use super::outlier::{is_code, outliers};
 use super::row::{MotorRow, Row};
+use super::twins::{CODE as SAME_MOTOR, twins};
 use super::{Catalog, Gear, GearKind, Motor, Printed};
 use crate::words::number;
 
@@ -72,26 +75,35 @@ pub const CHECKS: &[MotorCheck] = &[
         compares: "the winding must warm up faster than the housing",
         run: thermal,
     },
-    MotorCheck { code: UNUSUAL, compares: "K_M against that of rows built alike at the same mass", run: beside_others },
+    MotorCheck {
+        code: "out-of-range",
+        compares: "temperatures, poles and speeds with what motors can have",
+        run: out_of_range,
+    },
+    MotorCheck { code: SAME_MOTOR, compares: "names and numbers against those of other rows", run: beside_others },
 ];
 
 /// Runs every check over a catalogue, in the order of its rows.
 pub fn audit(catalog: &Catalog) -> Vec<Finding> {
-    let unusual = outliers(catalog);
-    let of_row = |motor: &Motor| {
-        let remark = |of: &Outlier| Finding {
+    let beside = [outliers(catalog), twins(&catalog.motors)].concat();
+    let mut by_id: HashMap<&str, Vec<&Beside>> = HashMap::new();
+    beside.iter().for_each(|of| by_id.entry(&of.id).or_default().push(of));
+    let remarks = |id: &str, accepts: &[String]| {
+        let remark = |of: &&Beside| Finding {
             id: of.id.clone(),
-            code: UNUSUAL,
+            code: of.code,
             severity: Severity::Note,
             message: of.message.clone(),
             explanation: Some(of.explanation.into()),
-            accepted: motor.accepted_findings.iter().any(|code| code == UNUSUAL),
+            accepted: accepts.iter().any(|code| code == of.code),
         };
-        let beside = unusual.iter().filter(|of| of.id == motor.id).map(remark).collect::<Vec<_>>();
-        audit_motor(motor).into_iter().chain(beside).collect::<Vec<_>>()
+        by_id.get(id).into_iter().flatten().map(remark).collect::<Vec<_>>()
     };
-    let motors = catalog.motors.iter().flat_map(of_row);
-    let gears = catalog.all_gears().flat_map(audit_gear);
+    let motors = catalog.motors.iter().flat_map(|motor| {
+        let beside = if motor.inside.is_some() { Vec::new() } else { remarks(&motor.id, &motor.accepted_findings) };
+        audit_motor(motor).into_iter().chain(beside)
+    });
+    let gears = catalog.all_gears().flat_map(|gear| audit_gear(gear).into_iter().chain(remarks(&gear.id, &[])));
     let of_module = |module| audit_module(module, &catalog.modules, &catalog.motors, &catalog.alternatives);
     let modules = catalog.modules.iter().flat_map(of_module);
     motors.chain(gears).chain(modules).collect()
@@ -105,7 +117,12 @@ pub fn audit_motor(motor: &Motor) -> Vec<Finding> {
     }
     let outcomes = CHECKS.iter().filter_map(|check| Some((check.code, (check.run)(motor)?)));
     // What is looked at beside other rows is not known here.
-    let accepts = motor.accepted_findings.iter().map(String::as_str).filter(|code| *code != UNUSUAL).collect();
+    let accepts = motor
+        .accepted_findings
+        .iter()
+        .map(String::as_str)
+        .filter(|code| *code != SAME_MOTOR && !is_code(code))
+        .collect();
     let row = Audited { id: &motor.id, accepts, note: &motor.note };
     row.findings(outcomes, |code| CHECKS.iter().any(|check| check.code == code))
 }
@@ -526,7 +543,36 @@ fn rotor_inertia(motor: &Motor) -> Option<Outcome> {
     error(format!("rotor inertia is {} of the rotor's mass at the gap radius", number(ratio)), None)
 }
 
-/// What only other rows can tell: [`outliers`] does, over a whole catalogue.
+/// What a motor cannot have: mostly a slip of unit or decimal point. Magnets and insulation bear some 60 to 250 °C; what a sheet calls
+/// its largest speed is not far below the speed without load that it states.
+fn out_of_range(motor: &Motor) -> Option<Outcome> {
+    let celsius = |kelvin: f64| kelvin - 273.15;
+    let outside = |value: Option<f64>, low: f64, high: f64| value.filter(|v| !(low..=high).contains(v));
+    let winding = outside(motor.sheet.max_winding_temperature.map(|p| celsius(p.value)), 60.0, 250.0);
+    if let Some(found) = winding {
+        return error(format!("a winding that bears {} degC", number(found)), None);
+    }
+    if let Some(found) = outside(motor.sheet.reference_temperature.map(|p| celsius(p.value)), -20.0, 155.0) {
+        return error(format!("a resistance at {} degC", number(found)), None);
+    }
+    if let Some(found) = motor.pole_pairs.filter(|pairs| *pairs > 80) {
+        return error(format!("{found} pole pairs"), Some("pole pairs are half the number of poles".into()));
+    }
+    if let Some(found) = outside(motor.sheet.outer_diameter.map(|p| p.value), 2e-3, 1.0) {
+        return error(format!("an outer diameter of {} mm", number(1e3 * found)), None);
+    }
+    let (largest, without_load) = (motor.sheet.max_speed?.value, motor.sheet.no_load_speed?.value);
+    (without_load > 1.5 * largest).then(|| Outcome {
+        severity: Severity::Error,
+        message: format!(
+            "the speed without load is {} times the largest speed: one of the two is in another unit or at another voltage",
+            number(without_load / largest)
+        ),
+        explanation: None,
+    })
+}
+
+/// What only other rows can tell: [`outliers`] and [`twins`] do, over a whole catalogue.
 fn beside_others(_: &Motor) -> Option<Outcome> {
     None
 }

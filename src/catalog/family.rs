@@ -8,6 +8,7 @@ use std::ops::Range as Span;
 
 use super::Catalog;
 use super::gear::{Gear, GearKind, matches_pattern};
+use super::offer::wrong_day;
 use super::row::{self, TomlCells};
 use super::sheet::SourceKind;
 use crate::input::{Description, Form, Key, Problem, Range, Section, key};
@@ -180,6 +181,10 @@ pub(super) fn read(root: &Section) -> Option<Family> {
     let parts = [Part::MASS, Part::LENGTH].map(|part| Part::read(root, part));
     let maker = text("manufacturer", "who makes it, or made the designs").unwrap_or_default();
     let source = root.required_text(key("source", "where the numbers come from"), "\"arXiv 2510.07197\"");
+    let source_date = text("source_date", "day, month or year of the source").unwrap_or_default();
+    if let Some(wrong) = wrong_day("source_date", &source_date) {
+        root.note(Problem::at(root.span_of("source_date"), wrong.message, "a date").help(wrong.help));
+    }
     let source_kind = root.choice(key("source_kind", "what kind of source that is").required(), SourceKind::NAMES);
     let note = text("note", "what its reader should know").unwrap_or_default();
     for (is, example) in [("kind", "\"planetary\""), ("source_kind", "\"derived\"")] {
@@ -196,6 +201,7 @@ pub(super) fn read(root: &Section) -> Option<Family> {
         stages,
         fits: motor.as_ref().map(|m| row::listed(m.get_ref())).unwrap_or_default(),
         source,
+        source_date: source_date.clone(),
         source_kind,
         note: note.clone(),
         ..Gear::blank()

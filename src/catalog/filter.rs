@@ -96,12 +96,9 @@ impl Filter {
             (None, None, None) => {
                 let own = || names::<MotorRow>().chain(names::<Gear>()).chain(names::<Module>());
                 let meant = || own().chain(super::row::ALIASES.iter().map(|(alias, _)| *alias));
-                let mut all: Vec<&str> = own().collect();
-                all.sort_unstable();
-                all.dedup();
                 let help = match nearest(name, meant()) {
                     Some(near) => format!("did you mean `{near}`?"),
-                    None => format!("there are: {}", all.join(", ")),
+                    None => "docs/formats.md names the columns of motors, gears and modules; mass, diameter, K_T, ratio, peak_torque and maker are some".into(),
                 };
                 return Err(wrong(format!("there is no column `{name}`; {help}")));
             }
@@ -300,7 +297,10 @@ pub struct Found<'c> {
 
 /// The rows of a catalogue that keep all filters.
 pub fn select<'c>(catalog: &'c Catalog, kinds: Kinds, filters: &[Filter]) -> Found<'c> {
-    let mut unknown_by: Vec<(String, usize)> = filters.iter().map(|f| (f.column.clone(), 0)).collect();
+    let mut unknown_by: Vec<(String, usize)> = Vec::new();
+    for filter in filters.iter().filter(|f| filters.iter().find(|g| g.column == f.column) == Some(f)) {
+        unknown_by.push((filter.column.clone(), 0));
+    }
     let mut unknown = 0;
     let mut keep = |says: Vec<Says>| {
         if says.contains(&Says::No) {
@@ -308,8 +308,9 @@ pub fn select<'c>(catalog: &'c Catalog, kinds: Kinds, filters: &[Filter]) -> Fou
         }
         let open = says.contains(&Says::Unknown);
         unknown += usize::from(open);
-        for ((_, count), _) in unknown_by.iter_mut().zip(says).filter(|(_, s)| *s == Says::Unknown) {
-            *count += 1;
+        for (column, count) in &mut unknown_by {
+            let is_open = filters.iter().zip(&says).any(|(f, says)| f.column == *column && *says == Says::Unknown);
+            *count += usize::from(is_open);
         }
         !open
     };

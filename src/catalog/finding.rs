@@ -26,6 +26,19 @@ pub struct Finding {
     pub accepted: bool,
 }
 
+/// What is found of a row beside the other rows of its catalogue: worth knowing, not wrong.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Beside {
+    /// Id of the row.
+    pub id: String,
+    /// Code of the check.
+    pub code: &'static str,
+    /// What does not fit, with numbers.
+    pub message: String,
+    /// What would explain it, and what to do.
+    pub explanation: &'static str,
+}
+
 /// What a check says.
 #[derive(Debug, Clone)]
 pub(super) struct Outcome {

@@ -211,6 +211,8 @@ pub struct Gear {
     pub offer: Offer,
     /// Where the numbers come from.
     pub source: String,
+    /// Day, month or year of the source, as 2026-11-01; of one without a date the day on which it was read. Empty: not said.
+    pub source_date: String,
     /// What kind of source that is.
     pub source_kind: SourceKind,
     /// What the reader of the row should know.

@@ -30,6 +30,7 @@ pub mod rewound;
 pub mod row;
 mod said;
 mod sheet;
+mod twins;
 mod wrong;
 
 use std::collections::HashMap;

@@ -39,6 +39,8 @@ pub struct Motor {
     pub model: String,
     /// Where the numbers come from.
     pub source: String,
+    /// Day, month or year of the source, as 2026-11-01; of one without a date the day on which it was read. Empty: not said.
+    pub source_date: String,
     /// What kind of source that is.
     pub source_kind: SourceKind,
     /// What the reader of the row should know.
@@ -119,6 +121,8 @@ pub struct Identity {
     pub model: String,
     /// Where the numbers come from.
     pub source: String,
+    /// Day, month or year of the source, as 2026-11-01; of one without a date the day on which it was read. Empty: not said.
+    pub source_date: String,
     /// What kind of source that is.
     pub source_kind: SourceKind,
     /// What the reader of the row should know.
@@ -168,6 +172,11 @@ impl Motor {
         columns.chain(self.effects.iter().cloned())
     }
 
+    /// Motor constant √(K_T K_B/R) \[N·m/√W\]: not a number where the row has no constants.
+    pub fn motor_constant(&self) -> f64 {
+        (self.torque_constant * self.back_emf_constant / self.resistance).sqrt()
+    }
+
     /// Whether a number of it is estimated.
     pub fn is_estimated(&self, of: Estimated) -> bool {
         self.estimates.iter().any(|e| e.of == of)
@@ -180,6 +189,7 @@ impl Motor {
             manufacturer: self.manufacturer.clone(),
             model: self.model.clone(),
             source: self.source.clone(),
+            source_date: self.source_date.clone(),
             source_kind: self.source_kind,
             note: self.note.clone(),
             accepted_findings: self.accepted_findings.clone(),
@@ -281,6 +291,7 @@ impl Motor {
             manufacturer: identity.manufacturer,
             model: identity.model,
             source: identity.source,
+            source_date: identity.source_date,
             source_kind: identity.source_kind,
             note: identity.note,
             accepted_findings: identity.accepted_findings,

@@ -122,6 +122,29 @@ impl Date {
         Ok(Date { year, month: month as u8, day: day as u8 })
     }
 
+    /// Whether a text is a day, a month or a year: `2026-11-01`, `2026-11`, `2026`.
+    ///
+    /// # Errors
+    /// What to write instead.
+    ///
+    /// ```
+    /// use gearwise::catalog::Date;
+    /// assert!(["2026", "2026-11", "2026-11-01"].iter().all(|text| Date::check_partly(text).is_ok()));
+    /// assert!(["26", "2026-13", "2026-1", "May 2026", "2026-11-31"].iter().all(|text| Date::check_partly(text).is_err()));
+    /// ```
+    pub fn check_partly(text: &str) -> Result<(), String> {
+        let rest = match text.len() {
+            4 => "-01-01",
+            7 => "-01",
+            _ => "",
+        };
+        if text.get(..4).and_then(|year| year.parse::<u16>().ok()).is_some_and(|year| !(1900..2100).contains(&year)) {
+            return Err("a year is one of this century or the last".into());
+        }
+        let help = |why: String| if rest.is_empty() { format!("{why}, or 2026-11, or 2026") } else { why };
+        Date::read(&format!("{text}{rest}")).map(drop).map_err(help)
+    }
+
     /// Whether two days are no more than so many years apart.
     ///
     /// ```
@@ -220,6 +243,12 @@ impl Offer {
         text("price_date", &self.price_date, "day", Date::read(&self.price_date).map(drop));
         found
     }
+}
+
+/// The mistake of a column of a day, month or year.
+pub fn wrong_day(column: &'static str, text: &str) -> Option<Wrong> {
+    let help = Date::check_partly(text).err().filter(|_| !text.is_empty())?;
+    Some(Wrong { column, message: format!("`{text}` is no day, month or year"), label: "in this row", help })
 }
 
 #[cfg(test)]

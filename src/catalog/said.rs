@@ -41,17 +41,23 @@ impl Motor {
                 Some(self.back_emf_constant / find(BackEmfConvention::NAMES, word)?.back_emf_constant(commutation))
             }
             Convention::SpeedConstant => {
-                let convention = find(SpeedConstantConvention::NAMES, word)?;
-                Some(convention.back_emf_constant(commutation) / self.back_emf_constant)
+                let convention = find(SpeedConstantConvention::NAMES, word)?.back_emf_constant(commutation);
+                // The row's own number, where it has one: the model computes with K_T, which a sheet rounds differently.
+                match (self.sheet.speed_constant, self.conventions.speed_constant) {
+                    (Some(own), Some(of)) => Some(own.value * convention / of.back_emf_constant(commutation)),
+                    _ => Some(convention / self.back_emf_constant),
+                }
             }
         }
     }
 
-    /// A numeric column with one meaning for all rows \[SI\]: on the q axis where sheets differ, else as printed. `None` where
-    /// it is not known, and of the speed constant, which has no form on the q axis.
+    /// A numeric column with one meaning for all rows \[SI\]: on the q axis where sheets differ, else as printed; the motor
+    /// constant is √(K_T K_B/R) of every row, printed or not. `None` where it is not known, and of the speed constant, which has no
+    /// form on the q axis.
     pub fn comparable(&self, field: &Field) -> Option<f64> {
         match field.states {
             States::Convention(of) => self.in_convention(of, "q_axis"),
+            _ if field.name == "motor_constant" => Some(self.motor_constant()).filter(|k| k.is_finite()),
             _ => (field.get)(&self.sheet).map(|p| p.value),
         }
     }

@@ -43,13 +43,18 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
         if let Some(id) = names.values().find(|id| !has(&catalog, id)) {
             return Err(Failure::Argument(format!("--map: the catalogue has no row `{id}`")));
         }
+        let mut taken: Vec<&String> = names.values().collect();
+        taken.sort_unstable();
+        if let Some(twice) = taken.windows(2).find(|pair| pair[0] == pair[1]) {
+            return Err(Failure::Argument(format!("--map: two rows of the second source are `{}`", twice[0])));
+        }
         let found = against(&catalog, &second, &names);
         let text = arguments.output.choose(
             || crate::report::catalog::against::text(&found),
             || crate::report::json::catalog::compared(&found),
             || crate::report::catalog::against::csv(&found),
         );
-        return Ok(Done { text, satisfied: found.apart.is_empty() });
+        return Ok(Done { text, satisfied: found.apart.is_empty() && found.compared > 0 });
     }
     let findings = audit(&catalog);
     arguments.html.write(call, || catalog.files(), || html::audit::page(&catalog, &findings))?;

@@ -97,6 +97,8 @@ pub struct JointResult<'a> {
     pub agreement: Vec<Agreement>,
     /// What was left out, where only the first designs were wanted.
     pub pruned: Option<Pruned<'a>>,
+    /// Ids of gears that the joint allows and that no motor is evaluated with: their rows say no efficiency.
+    pub gears_without_efficiency: Vec<&'a str>,
 }
 
 impl JointResult<'_> {

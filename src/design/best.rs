@@ -161,6 +161,9 @@ pub(super) fn is_impossible(site: Site, motor: &Motor) -> bool {
 fn best_gear<'a>(site: Site<'a, '_>, motor: &'a Motor, only_checked: bool) -> Result<Design<'a>, Refused<'a>> {
     let Site { robot, joint, .. } = site;
     let mut gears: Selection<(Mount, Prepared, Optimum)> = Selection::new(motor);
+    if !joint.motors.allows(motor) {
+        gears.unusable(Unusable::NotAllowed);
+    }
     for mount in site.mounts(motor) {
         let Some(gear) = mount.gear else { continue };
         let prepared = match mount.prepared() {

@@ -208,6 +208,11 @@ impl<'a> JointDemand<'a> {
         JointDemand { load, gears, by_pattern, for_any }
     }
 
+    /// Ids of the gears that the joint allows and that cannot be evaluated: their rows say no efficiency.
+    pub fn without_efficiency(&self) -> Vec<&'a str> {
+        self.gears.iter().filter(|(gear, _)| gear_model(gear).is_none()).map(|(gear, _)| gear.id.as_str()).collect()
+    }
+
     /// The gears that may be mounted on a motor, each with its load.
     pub fn gears_for<'d>(&'d self, motor: &Motor) -> impl Iterator<Item = (&'a Gear, &'d Load)> + use<'a, 'd> {
         let id = motor.row_id();

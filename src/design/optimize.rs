@@ -52,12 +52,22 @@ fn solve_joint<'a>(
     options: Options,
 ) -> Result<JointResult<'a>, Stopped> {
     let demand = JointDemand::among(joint, catalog, options.loads);
+    let gears_without_efficiency = demand.without_efficiency();
     let stop = Stop::when(options.stop);
     let site = Site::new(robot, joint, &demand).stopping(stop);
     if let Some(keep) = options.keep {
         let (found, pruned) = prune::first(site, catalog, keep, &options)?;
         let Sorted { candidates, unjudged, rejected } = found;
-        return Ok(JointResult { joint, candidates, unjudged, rejected, agreement: Vec::new(), pruned: Some(pruned) });
+        let pruned = Some(pruned);
+        return Ok(JointResult {
+            joint,
+            candidates,
+            unjudged,
+            rejected,
+            agreement: Vec::new(),
+            pruned,
+            gears_without_efficiency,
+        });
     }
     let found: Result<Vec<Result<Design, Refused>>, Stopped> = catalog
         .motors
@@ -70,7 +80,8 @@ fn solve_joint<'a>(
         })
         .collect();
     let Sorted { candidates, unjudged, rejected } = Sorted::of(found?);
-    Ok(JointResult { joint, agreement: agreement(&candidates), candidates, unjudged, rejected, pruned: None })
+    let agreement = agreement(&candidates);
+    Ok(JointResult { joint, agreement, candidates, unjudged, rejected, pruned: None, gears_without_efficiency })
 }
 
 /// Kendall's τ of each metric against the objective, over the feasible motors.

@@ -101,7 +101,8 @@ fn sweep_motor<'a>(
         }
     }
     if designs.is_empty() && unusable.is_empty() && site.is_geared() {
-        unusable.push((motor, None, Unusable::NoGearFits));
+        let is_allowed = site.joint.motors.allows(motor);
+        unusable.push((motor, None, if is_allowed { Unusable::NoGearFits } else { Unusable::NotAllowed }));
     }
     (designs, unusable)
 }

@@ -115,6 +115,7 @@ impl Builder<'_> {
                 bench.path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned()),
                 motor.source
             ),
+            source_date: String::new(),
             source_kind: SourceKind::Measured,
             note: self.notes.join("; "),
             accepted_findings: motor.accepted_findings.clone(),

@@ -1,7 +1,7 @@
 //! The answer first: what to take at each joint, on one screen.
 
 use super::balance;
-use super::said::{Shown, bind_text, choice_text, joint_notes, margin_at, per_cent, with_gear};
+use super::said::{Shown, bind_text, choice_text, gears_note, joint_notes, margin_at, per_cent, with_gear};
 use super::table::{Column, Table, paragraph};
 use super::tint::Tint;
 use super::{design_ratio, estimated, number, number_between, optional, turns};
@@ -71,7 +71,7 @@ pub(super) fn text(result: &RobotResult, outlooks: &[Outlook]) -> String {
     let mut told: Vec<(String, Vec<&str>)> = Vec::new();
     for of in &result.joints {
         let unlimited = balance::is_unlimited(of.joint).then(|| balance::NO_LIMIT.to_string());
-        for note in joint_notes(of.joint, true).into_iter().chain(unlimited) {
+        for note in joint_notes(of.joint, true).into_iter().chain(gears_note(of)).chain(unlimited) {
             match told.iter_mut().find(|(other, _)| *other == note) {
                 Some((_, joints)) => joints.push(&of.joint.name),
                 None => told.push((note, vec![&of.joint.name])),

@@ -5,6 +5,7 @@ use super::table::paragraph;
 use crate::catalog::Catalog;
 use crate::catalog::audit::{CHECKS, Finding, Severity};
 use crate::catalog::module::audit::MODULE_CHECKS;
+use crate::catalog::outlier::comparisons;
 
 /// Findings that break the audit: errors that no note accepts.
 pub fn broken(findings: &[Finding]) -> usize {
@@ -55,7 +56,7 @@ pub fn text(catalog: &Catalog, findings: &[Finding]) -> String {
         crate::words::counted(catalog.motors.len(), "motor"),
         crate::words::counted(catalog.gears.len(), "gear"),
         crate::words::counted(catalog.modules.len(), "module"),
-        crate::words::counted(CHECKS.len() + MODULE_CHECKS.len(), "check"),
+        crate::words::counted(CHECKS.len() + MODULE_CHECKS.len() + comparisons().count(), "check"),
         crate::words::counted(broken(findings), "error"),
         crate::words::counted(notes, "note"),
     );

@@ -173,6 +173,7 @@ fn row_text_csv(row: &Row, accepted: &[AuditFinding]) -> String {
         manufacturer: safe(&row.manufacturer),
         model: safe(&row.model),
         source: safe(&row.source),
+        source_date: String::new(),
         source_kind: SourceKind::Measured,
         note: safe(&note.join("; ")),
         accepted_findings: accepted.iter().map(|f| f.code.to_string()).collect(),

@@ -1,12 +1,13 @@
 //! Two motors side by side: the case study of Urs et al. for any pair.
 
-use super::catalog::card::priced;
+use super::catalog::card::{estimated, priced};
 use super::rank::with_tolerance;
 use super::table::{Column, Table, paragraph};
 use super::{number, optional};
 use crate::actuator::metrics::{METRICS, MatchedInertia, at_matched_inertia, metric};
 use crate::actuator::step_response::{StepResponse, simulate};
 use crate::catalog::audit::{audit_motor, conventions_line};
+use crate::catalog::estimate::Estimated;
 use crate::catalog::{Module, Motor, Printed};
 use crate::units::in_unit;
 
@@ -58,6 +59,17 @@ fn row(what: &str, values: [Option<f64>; 2], unit: &str, lower_is_better: Option
     vec![format!("{what} [{unit}]"), a, b, better]
 }
 
+/// What stands behind a number that is estimated.
+const ESTIMATED: &str = "estimated";
+
+/// A row whose numbers are marked where they are estimates, or made from one.
+fn marked(mut cells: Vec<String>, guessed: [bool; 2]) -> Vec<String> {
+    for (cell, _) in cells[1..3].iter_mut().zip(guessed).filter(|(cell, guessed)| *guessed && *cell != "–") {
+        cell.push_str(&format!(" {ESTIMATED}"));
+    }
+    cells
+}
+
 /// A table under its title: columns and rows.
 pub(super) type Titled = (String, Vec<Column>, Vec<Vec<String>>);
 
@@ -69,12 +81,13 @@ pub(super) fn tables(comparison: &Comparison) -> Vec<Titled> {
         let [a, b] = [a, b].map(|motor| Column::number(&*motor.id, ""));
         vec![Column::name(""), a, b, Column::number("advantage\nof the first", "")]
     };
+    let guessed = |of: Estimated| comparison.motors.map(|m| m.is_estimated(of));
     let computed = vec![
         row("resistance R", pair(|m| Some(m.resistance).filter(|v| v.is_finite())), "ohm", None),
-        row("inductance L", pair(|m| m.inductance), "mH", None),
+        marked(row("inductance L", pair(|m| m.inductance), "mH", None), guessed(Estimated::Inductance)),
         row("torque constant K_T", pair(|m| Some(m.torque_constant).filter(|v| v.is_finite())), "N*m/A", None),
         row("back-EMF constant K_B", pair(|m| Some(m.back_emf_constant).filter(|v| v.is_finite())), "V*s/rad", None),
-        row("rotor inertia J_m", pair(|m| m.rotor_inertia), "g*cm^2", None),
+        marked(row("rotor inertia J_m", pair(|m| m.rotor_inertia), "g*cm^2", None), guessed(Estimated::RotorInertia)),
         row("mass m", pair(|m| m.mass), "g", None),
     ];
     let metrics = METRICS
@@ -83,26 +96,32 @@ pub(super) fn tables(comparison: &Comparison) -> Vec<Titled> {
         .map(|m| {
             let estimates = comparison.motors.map(|motor| m.of(motor));
             let values = estimates.map(|e| e.map(|e| e.value));
-            vec![
+            let cells = vec![
                 format!("{} [{}]", m.symbol, m.unit),
                 with_tolerance(m, estimates[0]),
                 with_tolerance(m, estimates[1]),
                 advantage(values[0], values[1], m.lower_is_better),
-            ]
+            ];
+            marked(cells, comparison.motors.map(|motor| m.rests_on_estimate(motor)))
         })
         .collect();
     let matched = |f: fn(&MatchedInertia) -> f64| comparison.matched.map(|m| m.as_ref().map(f));
-    let at_matched = vec![
+    let at_matched = [
         row("ratio N", matched(|m| m.ratio), "1", None),
         row("actuator torque constant K_Ta", matched(|m| m.torque_constant), "N*m/A", Some(false)),
         row("actuator motor constant K_Ma", matched(|m| m.motor_constant), "N*m/W^0.5", Some(false)),
     ];
+    let at_matched = at_matched.map(|cells| marked(cells, guessed(Estimated::RotorInertia))).to_vec();
     let time = |r: &[Option<StepResponse>; 2]| r.map(|r| r.map(|r| r.rise_time));
     let overshoot = comparison.with_inductance.map(|r| r.map(|r| r.overshoot));
+    let inertia = guessed(Estimated::RotorInertia);
+    let either = comparison
+        .motors
+        .map(|m| [Estimated::RotorInertia, Estimated::Inductance].iter().any(|of| m.is_estimated(*of)));
     let step = vec![
-        row("63 % without inductance", time(&comparison.without_inductance), "ms", Some(true)),
-        row("63 % with inductance", time(&comparison.with_inductance), "ms", Some(true)),
-        row("overshoot with inductance", overshoot, "%", None),
+        marked(row("63 % without inductance", time(&comparison.without_inductance), "ms", Some(true)), inertia),
+        marked(row("63 % with inductance", time(&comparison.with_inductance), "ms", Some(true)), either),
+        marked(row("overshoot with inductance", overshoot, "%", None), either),
     ];
     let inertia = number(comparison.inertia * 1e7);
     let rated = |f: fn(&Module) -> Option<f64>| comparison.motors.map(|m| f(&m.inside.as_deref()?.module));
@@ -174,6 +193,12 @@ pub(super) fn faster(comparison: &Comparison) -> Option<String> {
         |p| format!("sure to {:.0} %", 100.0 * p.max(1.0 - p)),
     );
     let times = number(faster.2);
+    let guessed: Vec<&str> =
+        comparison.motors.iter().filter(|m| s_m.rests_on_estimate(m)).map(|m| m.id.as_str()).collect();
+    let sure = match guessed.as_slice() {
+        [] => sure,
+        ids => format!("the rotor inertia of {} is estimated, from above: no row says it", ids.join(" and ")),
+    };
     let line = format!("{} is {times} times as responsive as {} (ratio of S_M; {sure}).", faster.0.id, faster.1.id);
     Some(match a.about.same_as == b.id || b.about.same_as == a.id {
         true => format!("{} and {} are two rows of one motor: they differ by what was measured. {line}", a.id, b.id),
@@ -203,6 +228,10 @@ pub fn text(comparison: &Comparison) -> String {
         }
         for assumption in &motor.assumptions {
             out.push_str(&paragraph(&format!("assumed: {assumption}"), 2, 4));
+        }
+        for estimate in &motor.estimates {
+            let line = format!("{}: {}", estimate.of.name().replace('_', " "), estimated(estimate));
+            out.push_str(&paragraph(&line, 2, 4));
         }
         for finding in audit_motor(motor) {
             let why = finding.explanation.map_or_else(String::new, |w| format!(" ({w})"));

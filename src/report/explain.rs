@@ -137,6 +137,13 @@ pub fn text(story: &Explanation) -> String {
     if !story.motor.note.is_empty() {
         out.push_str(&paragraph(&story.motor.note, 2, 2));
     }
+    if let Some(gear) = story.gear {
+        let of = super::catalog::card::sourced(&gear.source, &gear.source_date, gear.source_kind);
+        out.push_str(&paragraph(&format!("The gear's row, {}: {of}", gear.id), 0, 2));
+        if !gear.note.is_empty() {
+            out.push_str(&paragraph(&gear.note, 2, 2));
+        }
+    }
     for assumption in &story.motor.assumptions {
         out.push_str(&paragraph(&format!("assumed: {assumption}"), 2, 4));
     }

@@ -117,7 +117,8 @@ fn joint_text(result: &JointResult, outlook: Option<&Outlook>, shown: Shown) -> 
     let (ratio, verdict) = (ratio_text(joint), verdict(result));
     let heading = format!("{} (×{}), {ratio}, {}: {verdict}", joint.name, joint.count, joint.aim());
     let mut out = paragraph(&heading, 0, 2);
-    joint_notes(joint, false).iter().for_each(|note| out.push_str(&paragraph(note, 2, 4)));
+    let notes = joint_notes(joint, false).into_iter().chain(super::said::gears_note(result));
+    notes.for_each(|note| out.push_str(&paragraph(&note, 2, 4)));
     if let Some(spring) = &joint.limits.spring {
         out.push_str(&paragraph(&super::spring::asked(spring), 2, 2));
     }

@@ -3,7 +3,7 @@
 use super::{design_ratio, estimated, number};
 use crate::actuator::limits::LOW_SAFETY;
 use crate::catalog::module::Drive;
-use crate::design::answer::Design;
+use crate::design::answer::{Design, JointResult};
 use crate::design::evaluate::Margin;
 use crate::design::program::{Bind, Certificate, Optimum};
 use crate::requirement::{Course, Joint, Quantity};
@@ -35,6 +35,18 @@ pub(super) fn joint_notes(joint: &Joint, short: bool) -> Vec<String> {
         notes.push("The motion asks for no torque and no acceleration: the order says nothing.".into());
     }
     notes
+}
+
+/// How many gears are named that are not evaluated.
+const NAMED_GEARS: usize = 3;
+
+/// What is said of gears that the joint allows and that no motor was evaluated with.
+pub(super) fn gears_note(result: &JointResult) -> Option<String> {
+    let left_out = &result.gears_without_efficiency;
+    let (named, more) = left_out.split_at(left_out.len().min(NAMED_GEARS));
+    let more = if more.is_empty() { String::new() } else { format!(" and {} more", more.len()) };
+    let names = named.join(", ");
+    (!named.is_empty()).then(|| format!("Not evaluated, because their rows say no efficiency: {names}{more}."))
 }
 
 /// The gear of a ratio, where the ratios of a joint are those of teeth or of a family.

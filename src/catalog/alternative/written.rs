@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::{Alternative, words};
 use crate::catalog::module::Module;
+use crate::catalog::offer::wrong_day;
 use crate::catalog::row::{Cells, Holds, MotorRow, Need, Row, Side, find};
 use crate::catalog::sheet::{Printed, SourceKind};
 use crate::catalog::{Catalog, Gear};
@@ -155,6 +156,10 @@ impl Written {
             let known: Vec<&str> = SourceKind::NAMES.iter().map(|(name, _)| *name).collect();
             Problem::at(at, format!("`{kind}` is no kind of source"), format!("expected one of {}", known.join(", ")))
         })?;
+        let (day, at) = self.get("source_date");
+        if let Some(wrong) = wrong_day("source_date", day) {
+            return Err(Problem::at(at, wrong.message, "a date").help(wrong.help));
+        }
         Ok(Alternative {
             id: id.into(),
             column,
@@ -164,7 +169,7 @@ impl Written {
             side,
             convention,
             source: self.get("source").0.into(),
-            source_date: self.get("source_date").0.into(),
+            source_date: day.into(),
             source_kind,
             note: self.get("note").0.into(),
         })

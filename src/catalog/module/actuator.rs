@@ -142,6 +142,7 @@ impl Module {
                     .filter(|_| self.refers.friction_side != Some(Side::Motor))
                     .map(|p| p.value),
                 source: self.source.clone(),
+                source_date: self.source_date.clone(),
                 source_kind: self.source_kind,
                 ..Gear::blank()
             },
@@ -170,6 +171,7 @@ impl Module {
             manufacturer: self.manufacturer.clone(),
             model: self.model.clone(),
             source: self.source.clone(),
+            source_date: self.source_date.clone(),
             source_kind: self.source_kind,
             note: self.note.clone(),
             conventions: Conventions {

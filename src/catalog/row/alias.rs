@@ -27,6 +27,11 @@ aliases! {
     "mass": "weight";
     "outer_diameter": "diameter" "OD";
     "length": "axial_length";
+    "construction": "built";
+    "continuous_current": "I_cont";
+    "peak_current": "I_peak";
+    "continuous_torque": "T_cont";
+    "peak_torque": "T_peak";
     "no_load_current": "I0" "I_0";
     "reference_temperature": "T_ref";
     "ratio": "N";

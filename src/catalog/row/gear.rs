@@ -64,6 +64,7 @@ impl Row for Gear {
             holds: Holds::Text(|r| r.fits.join(";"), |r, text| r.fits = listed(&text)),
         },
         identity!(source),
+        identity!(source_date),
         identity!(source_kind),
         identity!(note),
     ];
@@ -78,6 +79,10 @@ impl Row for Gear {
 
     fn numbers_mut(&mut self) -> &mut Gear {
         self
+    }
+
+    fn source_date(&self) -> &str {
+        &self.source_date
     }
 
     fn take(&mut self, field: &Field<Gear>, stated: Stated, number: Printed) -> Result<Printed, (String, String)> {

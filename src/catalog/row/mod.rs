@@ -46,6 +46,9 @@ pub trait Row: Sized + 'static {
     /// Where they are put.
     fn numbers_mut(&mut self) -> &mut Self::Numbers;
 
+    /// Day, month or year of its source, empty where it is not said.
+    fn source_date(&self) -> &str;
+
     /// Takes what a number states of itself; the number as the row keeps it.
     ///
     /// # Errors
@@ -310,6 +313,14 @@ macro_rules! identity {
             about: "where the numbers come from",
             need: Need::Must("\"data sheet RI50, 2024\""),
             holds: Holds::Text(|r| r.source.clone(), |r, text| r.source = text),
+        }
+    };
+    (source_date) => {
+        Column {
+            name: "source_date",
+            about: "day, month or year of the source, as 2026-11-01, 2026-11 or 2026; of a source without one the day on which it was read",
+            need: Need::May,
+            holds: Holds::Text(|r| r.source_date.clone(), |r, text| r.source_date = text),
         }
     };
     (source_kind) => {

@@ -150,7 +150,7 @@ impl Row for Module {
 
     const AFTER: &'static [Column<Module>] = &[
         identity!(source),
-        text!(source_date, "day of the source, or on which it was opened"),
+        identity!(source_date),
         identity!(source_kind),
         Column {
             name: "audit_accept",
@@ -171,6 +171,10 @@ impl Row for Module {
 
     fn numbers_mut(&mut self) -> &mut ModuleSheet {
         &mut self.sheet
+    }
+
+    fn source_date(&self) -> &str {
+        &self.source_date
     }
 
     fn take(&mut self, _: &Field<ModuleSheet>, _: Stated, number: Printed) -> Result<Printed, (String, String)> {

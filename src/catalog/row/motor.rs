@@ -21,6 +21,8 @@ pub struct MotorRow {
     pub model: String,
     /// Where the numbers come from.
     pub source: String,
+    /// Day, month or year of the source, as 2026-11-01; of one without a date the day on which it was read. Empty: not said.
+    pub source_date: String,
     /// What kind of source that is.
     pub source_kind: SourceKind,
     /// What the reader of the row should know.
@@ -45,6 +47,7 @@ impl Default for MotorRow {
             manufacturer: String::new(),
             model: String::new(),
             source: String::new(),
+            source_date: String::new(),
             source_kind: SourceKind::Datasheet,
             note: String::new(),
             accepted_findings: Vec::new(),
@@ -78,6 +81,7 @@ impl MotorRow {
             manufacturer: identity.manufacturer,
             model: identity.model,
             source: identity.source,
+            source_date: identity.source_date,
             source_kind: identity.source_kind,
             note: identity.note,
             accepted_findings: identity.accepted_findings,
@@ -98,6 +102,7 @@ impl MotorRow {
             manufacturer: self.manufacturer,
             model: self.model,
             source: self.source,
+            source_date: self.source_date,
             source_kind: self.source_kind,
             note: self.note,
             accepted_findings: self.accepted_findings,
@@ -321,6 +326,7 @@ impl Row for MotorRow {
 
     const AFTER: &'static [Column<MotorRow>] = &[
         identity!(source),
+        identity!(source_date),
         identity!(source_kind),
         Column {
             name: "audit_accept",
@@ -341,6 +347,10 @@ impl Row for MotorRow {
 
     fn numbers_mut(&mut self) -> &mut Sheet {
         &mut self.sheet
+    }
+
+    fn source_date(&self) -> &str {
+        &self.source_date
     }
 
     fn take(&mut self, field: &Field, stated: Stated, number: Printed) -> Result<Printed, (String, String)> {

@@ -7,7 +7,7 @@ use crate::catalog::gear::{Gear, GearKind, GearRatings};
 use crate::catalog::module::Module;
 use crate::catalog::module::check;
 use crate::catalog::motor::{Incomplete, Motor};
-use crate::catalog::offer::{Offer, Sold};
+use crate::catalog::offer::{Offer, Sold, wrong_day};
 use crate::catalog::sheet::{Printed, SourceKind};
 use crate::catalog::wrong::Wrong;
 use crate::input::{Problem, key};
@@ -28,6 +28,7 @@ fn read<R: Row>(cells: &dyn Cells, row: &mut R, spared: &[&str]) {
     }
     numbers(cells, row, R::fields().iter());
     refuse(cells, row.numbers().offer().wrong());
+    refuse(cells, wrong_day("source_date", row.source_date()).into_iter().collect());
 }
 
 /// Notes mistakes of a row.
@@ -325,6 +326,7 @@ impl Gear {
             fits: Vec::new(),
             offer: Offer::default(),
             source: String::new(),
+            source_date: String::new(),
             source_kind: SourceKind::Datasheet,
             note: String::new(),
         }

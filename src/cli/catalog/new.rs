@@ -78,7 +78,8 @@ const MOTOR: &[(&str, &str)] = &[
     ("thermal_resistance_winding_housing [K/W]", ""),
     ("thermal_resistance_housing_ambient [K/W]", ""),
     ("max_winding_temperature [degC]", "110"),
-    ("source", "data sheet M8, 2024"),
+    ("source", "data sheet M8, edition 3"),
+    ("source_date", "2024-05"),
     ("source_kind", "datasheet"),
     ("note", ""),
 ];
@@ -106,7 +107,8 @@ const GEAR: &[(&str, &str)] = &[
     ("price_date", ""),
     ("lead_time [d]", ""),
     ("fits", "my-*"),
-    ("source", "data sheet P42, 2024"),
+    ("source", "data sheet P42, edition 2"),
+    ("source_date", "2024"),
     ("source_kind", "datasheet"),
     ("note", ""),
 ];

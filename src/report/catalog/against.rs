@@ -53,15 +53,23 @@ pub fn text(found: &Against) -> String {
     }
     let (apart, lacking) = (changes(&found.apart).count(), changes(&found.lacking).count());
     let line = format!(
-        "{} in both, {} here alone, {} there alone; {} more than {} % apart, {} in one of them alone.",
+        "{} in both, {} here alone, {} there alone; {} compared, {} more than {} % apart, {} in one of them alone.",
         counted(found.both, "row"),
         found.own,
         found.second,
-        counted(apart, "number"),
+        counted(found.compared, "number"),
+        apart,
         number(100.0 * APART),
         lacking
     );
-    out + &paragraph(&line, 0, 2)
+    out.push_str(&paragraph(&line, 0, 2));
+    let nothing = match (found.both, found.compared) {
+        (0, _) => "Nothing is compared: no id is in both. `--map IDS.csv` says which rows belong together.",
+        (_, 0) => "Nothing is compared: no number is in both with the same meaning.",
+        _ => return out,
+    };
+    out.push_str(&paragraph(nothing, 0, 2));
+    out
 }
 
 /// As rows: one for each number.

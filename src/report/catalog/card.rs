@@ -154,11 +154,14 @@ pub fn estimated(estimate: &Estimate) -> String {
         with_unit(value, unit)
     };
     format!(
-        "estimated: {} (pessimistic end of 90 %; middle {}){by}, from {} {} rows",
+        "estimated: {} (pessimistic end of 90 %; middle {}){by}, from {} {}",
         shown(estimate.value),
         shown(estimate.middle),
         estimate.rows,
-        word(Construction::NAMES, &estimate.construction)
+        match (law, word(Construction::NAMES, &estimate.construction)) {
+            (Some(law), own) if law.of_others => format!("rows that are not {own}: too few {own} rows say it"),
+            (_, own) => format!("{own} rows"),
+        }
     )
 }
 
@@ -200,7 +203,7 @@ pub fn motor_text(card: &Card) -> String {
     let commutation = word(Commutation::NAMES, &motor.conventions.commutation);
     let name = [motor.manufacturer.as_str(), motor.model.as_str()].join(" ");
     line(&mut out, "motor", &format!("{}; {built}, {commutation}", name.trim()));
-    line(&mut out, "source", &sourced(&motor.source, motor.source_kind));
+    line(&mut out, "source", &sourced(&motor.source, &motor.source_date, motor.source_kind));
     line(&mut out, "note", &motor.note);
     price_line(&mut out, &motor.sheet.offer);
     line(
@@ -242,7 +245,7 @@ pub fn motor_text(card: &Card) -> String {
         motor.pole_pairs.filter(|p| *p > 0).map(|p| vec!["pole_pairs".to_string(), p.to_string(), String::new()]);
     let rows: Vec<Vec<String>> = pairs.into_iter().chain(rows).collect();
     if !rows.is_empty() {
-        titled(&mut out, "Other numbers, as printed");
+        titled(&mut out, "Other numbers, as in the row");
         out.push_str(&numbers_table().rows(rows).text());
     }
     titled(&mut out, "What is not known");
@@ -294,8 +297,7 @@ pub fn elsewhere_text(alternatives: &[&Alternative]) -> String {
     }
     titled(&mut out, "What other sources say (not computed with)");
     for a in alternatives {
-        let from = [a.source.as_str(), a.source_date.as_str()].join(", ");
-        let from = sourced(from.trim_end_matches(", "), a.source_kind);
+        let from = sourced(&a.source, &a.source_date, a.source_kind);
         out.push_str(&paragraph(&format!("{}: {}; {from}", a.column, a.said()), 2, 6));
         if !a.note.is_empty() {
             out.push_str(&paragraph(&a.note, 6, 6));
@@ -307,8 +309,9 @@ pub fn elsewhere_text(alternatives: &[&Alternative]) -> String {
 /// Columns that the lines of price and lead time say.
 pub(super) const PRICED: &[&str] = &["price", "price_quantity", "lead_time"];
 
-pub(super) fn sourced(source: &str, kind: SourceKind) -> String {
-    format!("{source} ({})", word(SourceKind::NAMES, &kind))
+pub(crate) fn sourced(source: &str, date: &str, kind: SourceKind) -> String {
+    let from = [source, date].join(", ");
+    format!("{} ({})", from.trim_end_matches(", "), word(SourceKind::NAMES, &kind))
 }
 
 pub(super) fn numbers_table() -> Table {
@@ -375,7 +378,7 @@ pub fn gear_text(gear: &Gear) -> String {
     let stages = gear.stages.map_or_else(String::new, |s| format!(", {}", crate::report::counted(s as usize, "stage")));
     let name = [gear.manufacturer.as_str(), gear.model.as_str()].join(" ");
     line(&mut out, "gear", &format!("{}; {}{stages}", name.trim(), word(GearKind::NAMES, &gear.kind)));
-    line(&mut out, "source", &sourced(&gear.source, gear.source_kind));
+    line(&mut out, "source", &sourced(&gear.source, &gear.source_date, gear.source_kind));
     line(&mut out, "fits", &gear.fits.join(", "));
     line(&mut out, "note", &gear.note);
     price_line(&mut out, &gear.offer);

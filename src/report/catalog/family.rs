@@ -59,7 +59,7 @@ pub fn text(family: &Family) -> String {
     line(&mut out, "made for", &made_for(family));
     line(&mut out, "material", &family.material);
     line(&mut out, "stress limit of its teeth", &family.stress());
-    line(&mut out, "source", &sourced(&family.gear.source, family.gear.source_kind));
+    line(&mut out, "source", &sourced(&family.gear.source, &family.gear.source_date, family.gear.source_kind));
     line(&mut out, "note", &family.gear.note);
     titled(&mut out, "Points (torque at the output; without the motor's part of mass and length):");
     let columns = vec![

@@ -1,13 +1,14 @@
 //! Rows of a catalogue as a table.
 
+use super::shown;
 use crate::catalog::convention::word;
 use crate::catalog::filter::{Filter, Found, Kinds, RowKind, like};
 use crate::catalog::module::Drive;
-use crate::catalog::row::{self, MotorRow};
-use crate::catalog::{Catalog, Construction, Gear, GearKind, Module, Motor};
+use crate::catalog::row::{self, Field, MotorRow};
+use crate::catalog::{Catalog, Construction, FIELDS, GEAR_FIELDS, Gear, GearKind, Module, Motor};
 use crate::report::table::{Column, Table, paragraph};
 use crate::report::{counted, optional};
-use crate::units::in_unit;
+use crate::units::{Kind, in_unit};
 
 /// What was asked of a catalogue, and what it has.
 #[derive(Debug)]
@@ -84,7 +85,7 @@ pub fn text(listing: &Listing) -> String {
     let found = &listing.found;
     let mut out = String::new();
     if !found.motors.is_empty() {
-        out.push_str(&motors(&found.motors).text());
+        out.push_str(&motors(&found.motors, &listing.filters).text());
         out.push('\n');
         let frame = "K_T, K_M, R and I_cont on the power-invariant q axis; `–` is unknown, not zero.";
         out.push_str(&paragraph(frame, 0, 2));
@@ -93,7 +94,7 @@ pub fn text(listing: &Listing) -> String {
         if !found.motors.is_empty() {
             out.push('\n');
         }
-        out.push_str(&gears(&found.gears).text());
+        out.push_str(&gears(&found.gears, &listing.filters).text());
         out.push('\n');
     }
     if !found.modules.is_empty() {
@@ -151,8 +152,22 @@ fn remarks(motor: &Motor) -> Vec<String> {
     inside.into_iter().chain((!same.is_empty()).then(|| format!("the same motor as {same}"))).collect()
 }
 
-fn motors(motors: &[&Motor]) -> Table {
-    let columns = vec![
+/// The columns of numbers that filters ask for and that are not shown anyway.
+fn asked_beyond<S>(fields: &'static [Field<S>], listed: &[&str], filters: &[Filter]) -> Vec<&'static Field<S>> {
+    let is_asked = |field: &&Field<S>| filters.iter().any(|filter| filter.column == field.name);
+    fields.iter().filter(|field| !listed.contains(&field.name)).filter(is_asked).collect()
+}
+
+fn head(name: &str) -> Column {
+    Column::number(name.replacen('_', "\n", 1).replace('_', " "), "")
+}
+
+fn cell(kind: &Kind, value: Option<f64>) -> String {
+    value.map_or_else(|| "–".into(), |value| shown(kind, value))
+}
+
+fn motors(motors: &[&Motor], filters: &[Filter]) -> Table {
+    let mut columns = vec![
         Column::name("motor"),
         Column::name("maker").dropped(2),
         Column::name("built").dropped(3),
@@ -165,6 +180,19 @@ fn motors(motors: &[&Motor]) -> Table {
         Column::number("J_m", "g*cm^2").dropped(5),
         Column::number("I_cont", "A").dropped(6),
     ];
+    // What was asked for is shown.
+    let listed = [
+        "mass",
+        "outer_diameter",
+        "length",
+        "torque_constant",
+        "motor_constant",
+        "resistance",
+        "rotor_inertia",
+        "continuous_current",
+    ];
+    let asked = asked_beyond(FIELDS, &listed, filters);
+    columns.extend(asked.iter().map(|field| head(field.name)));
     let mut table = Table::new(columns).also_in("`--csv`, `--json`");
     let unit = |value: Option<f64>, unit: &str| optional(value.map(|v| in_unit(v, unit)));
     for motor in motors {
@@ -177,18 +205,19 @@ fn motors(motors: &[&Motor]) -> Table {
             unit(sheet.outer_diameter.map(|p| p.value), "mm"),
             unit(sheet.length.map(|p| p.value), "mm"),
             optional(Some(motor.torque_constant)),
-            optional(Some((motor.torque_constant * motor.back_emf_constant / motor.resistance).sqrt())),
+            optional(Some(motor.motor_constant())),
             optional(Some(motor.resistance)),
             unit(motor.rotor_inertia, "g*cm^2"),
             optional(motor.continuous_current),
         ];
-        table.push(cells, remarks(motor));
+        let more = asked.iter().map(|field| cell(field.kind, motor.comparable(field)));
+        table.push(cells.into_iter().chain(more).collect(), remarks(motor));
     }
     table
 }
 
-fn gears(gears: &[&Gear]) -> Table {
-    let columns = vec![
+fn gears(gears: &[&Gear], filters: &[Filter]) -> Table {
+    let mut columns = vec![
         Column::name("gear"),
         Column::name("maker").dropped(2),
         Column::name("kind"),
@@ -200,6 +229,9 @@ fn gears(gears: &[&Gear]) -> Table {
         Column::number("T_peak", "N*m"),
         Column::number("largest\ninput", "rpm").dropped(3),
     ];
+    let listed = ["ratio", "efficiency", "mass", "continuous_torque", "peak_torque", "max_input_speed"];
+    let asked = asked_beyond(GEAR_FIELDS, &listed, filters);
+    columns.extend(asked.iter().map(|field| head(field.name)));
     let rows = gears.iter().map(|gear| {
         let unit = |value: Option<f64>, unit: &str| optional(value.map(|v| in_unit(v, unit)));
         vec![
@@ -214,6 +246,9 @@ fn gears(gears: &[&Gear]) -> Table {
             optional(gear.peak_torque),
             unit(gear.max_input_speed, "rpm"),
         ]
+        .into_iter()
+        .chain(asked.iter().map(|field| cell(field.kind, (field.get)(gear).map(|p| p.value))))
+        .collect()
     });
     Table::new(columns).also_in("`--csv`, `--json`").rows(rows)
 }

@@ -13,7 +13,8 @@ use crate::units::{Kind, in_unit};
 use crate::words::handy::handy;
 
 /// Units that people use for what is not scaled by size.
-const USUAL: &[(&str, &str)] = &[("rad/s", "rpm"), ("rad/(V*s)", "rpm/V"), ("K", "degC"), ("m", "mm")];
+const USUAL: &[(&str, &str)] =
+    &[("rad/s", "rpm"), ("rad/(V*s)", "rpm/V"), ("K", "degC"), ("m", "mm"), ("rad", "arcmin")];
 
 /// The unit in which a number of a catalogue is shown \[text\], by a number of it.
 pub(crate) fn unit_for(kind: &Kind, value: f64) -> &'static str {

@@ -77,8 +77,7 @@ pub fn module_text(module: &Module, findings: &[Finding]) -> String {
     let parts = [name.trim(), kind.as_str(), drive];
     let parts: Vec<&str> = parts.into_iter().filter(|part| !part.is_empty()).collect();
     line(&mut out, "module", &parts.join("; "));
-    let source = [module.source.as_str(), module.source_date.as_str()].join(", ");
-    line(&mut out, "source", &sourced(source.trim_end_matches(", "), module.source_kind));
+    line(&mut out, "source", &sourced(&module.source, &module.source_date, module.source_kind));
     line(&mut out, "note", &module.note);
     price_line(&mut out, &module.sheet.offer);
     titled(&mut out, "Numbers as printed (torques, speeds, backlash and stiffness at the output)");

@@ -3,6 +3,7 @@
 use super::{Page, Part, Section, Table, Verdict};
 use crate::catalog::Catalog;
 use crate::catalog::audit::{CHECKS, Finding, Severity};
+use crate::catalog::outlier::comparisons;
 use crate::report::audit::{broken, word};
 
 /// The page.
@@ -26,6 +27,7 @@ pub fn page(catalog: &Catalog, findings: &[Finding]) -> Page {
     }
     let parts = table.part().map_or_else(|| vec![Part::Text("Nothing was found.".into())], |part| vec![part]);
     let checks = CHECKS.iter().map(|c| vec![c.code.to_string(), c.compares.to_string()]);
+    let checks = checks.chain(comparisons().map(|(code, compares)| vec![code.to_string(), compares]));
     Page {
         command: "audit",
         title: format!(

@@ -170,6 +170,7 @@ fn warned(result: &JointResult) -> Vec<String> {
     let joint = result.joint;
     let mut lines = Vec::new();
     lines.extend(joint_notes(joint, false));
+    lines.extend(crate::report::said::gears_note(result));
     // Of many designs the places say little: the first few, and how many.
     for (note, places) in notes(result, result.candidates.len()) {
         let more = if places.len() > 4 { format!(" … ({} designs)", places.len()) } else { String::new() };

@@ -517,6 +517,8 @@ pub struct Compared<'a> {
     pub own: usize,
     /// Rows that the second source alone has.
     pub second: usize,
+    /// Numbers that both give with the same meaning; of none the command's exit status is 1.
+    pub compared: usize,
     /// Numbers that are more than 1 % apart, row by row: `before` is ours, `after` that of the second source.
     pub apart: Vec<DifferentRow<'a>>,
     /// Numbers that one of them lacks.
@@ -531,6 +533,7 @@ pub fn compared(found: &Against) -> Value {
         both: found.both,
         own: found.own,
         second: found.second,
+        compared: found.compared,
         apart: found.apart.iter().map(different).collect(),
         lacking: found.lacking.iter().map(different).collect(),
         conventions: &found.conventions,

@@ -161,6 +161,8 @@ pub struct Side<'a> {
     pub source: &'a str,
     /// Note of the row.
     pub note: &'a str,
+    /// Which of its numbers no row says: estimated from rows built alike, and what is made from them with it.
+    pub estimated: Vec<super::design::Estimated>,
     /// What was assumed of the row.
     pub assumptions: &'a [&'static str],
     /// What the audit found.
@@ -256,6 +258,7 @@ pub fn compared(comparison: &Comparison) -> Value {
             step_with_inductance: comparison.with_inductance[i].map(Step::from),
             source: &m.source,
             note: &m.note,
+            estimated: super::design::estimated(m),
             assumptions: &m.assumptions,
             audit: audit_motor(m).into_iter().map(AuditRemark::from).collect(),
         }

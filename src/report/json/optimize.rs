@@ -60,6 +60,9 @@ pub struct OfJoint<'a> {
     /// What was left out, where only the first designs were asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pruned: Option<Pruned<'a>>,
+    /// Ids of gears that the joint allows and that no motor is evaluated with: their rows say no efficiency.
+    #[serde(skip_serializing_if = "<[&str]>::is_empty")]
+    pub gears_without_efficiency: &'a [&'a str],
 }
 
 impl<'a> OfJoint<'a> {
@@ -79,6 +82,7 @@ impl<'a> OfJoint<'a> {
             outlook: Outlook::new(result, outlook),
             metric_agreement: result.agreement.iter().map(Agreement::from).collect(),
             pruned: result.pruned.as_ref().map(Pruned::from),
+            gears_without_efficiency: &result.gears_without_efficiency,
         }
     }
 }

@@ -12,6 +12,8 @@ const LOOKS: usize = 6;
 const BEHIND: usize = 100;
 /// Points of all motors without a look of their own that are drawn in a panel of a matrix.
 const OTHERS: usize = 400;
+/// Small dots that are drawn in a matrix; its panels share them.
+const IN_ALL: usize = 2400;
 /// Width and height of a panel: of a front by itself, and in a matrix \[px\].
 const PANEL: (f64, f64) = (560.0, 420.0);
 const IN_MATRIX: (f64, f64) = (400.0, 300.0);
@@ -141,8 +143,11 @@ fn staircase(points: &[&FrontPoint], [a, b]: [usize; 2]) -> Vec<(f64, f64)> {
 fn matrix(front: &Front, explained: bool) -> Vec<Group> {
     let count = front.quantities.len();
     let looks = first_motors(front, LOOKS.max(count));
+    let panels = count * (count - 1) / 2;
+    let share = |most: usize| (most * IN_ALL / (panels * (OTHERS + looks.len() * BEHIND)).max(IN_ALL)).max(1);
+    let most = [BEHIND, OTHERS].map(share);
     let row = |y: usize| {
-        let panels = (0..y).map(|x| pair(front, [x, y], &looks, y == 1)).collect();
+        let panels = (0..y).map(|x| pair(front, [x, y], &looks, most, y == 1)).collect();
         let group = Group { panels, ..Group::default() };
         if y > 1 {
             return group;
@@ -161,7 +166,13 @@ fn matrix(front: &Front, explained: bool) -> Vec<Group> {
 }
 
 /// A panel of a matrix.
-fn pair(front: &Front, [a, b]: [usize; 2], looks: &[&str], named: bool) -> Panel {
+fn pair(
+    front: &Front,
+    [a, b]: [usize; 2],
+    looks: &[&str],
+    [behind_most, others_most]: [usize; 2],
+    named: bool,
+) -> Panel {
     let mut sorted: Vec<&FrontPoint> = front.points.iter().collect();
     sorted.sort_by(|p, q| p.values[a].total_cmp(&q.values[a]).then(p.values[b].total_cmp(&q.values[b])));
     let mut least = f64::INFINITY;
@@ -207,8 +218,8 @@ fn pair(front: &Front, [a, b]: [usize; 2], looks: &[&str], named: bool) -> Panel
         let series = marked(tone, Mark::Points(shape), near).hollow(estimated);
         panel.series.push(if named { series.named(name) } else { series });
     };
-    add(None, usize::MAX, OTHERS);
-    looks.iter().enumerate().for_each(|(rank, motor)| add(Some(motor), rank, BEHIND));
+    add(None, usize::MAX, others_most);
+    looks.iter().enumerate().for_each(|(rank, motor)| add(Some(motor), rank, behind_most));
     if named {
         panel.explain_hollow();
     }

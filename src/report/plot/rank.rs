@@ -11,7 +11,7 @@ use crate::units::in_unit;
 /// Manufacturers that get a look of their own; the others share one.
 const MANUFACTURERS: usize = 8;
 /// Motors named because they are the best.
-const NAMED: usize = 8;
+const NAMED: usize = 5;
 
 /// The figure; `marked` are the motors that were chosen, first the most important.
 pub fn figure(ranking: &Ranking, marked: &[&Motor]) -> Figure {
@@ -95,10 +95,23 @@ fn panel(motors: &[&Motor], marked: &[&Motor], name: &str, abscissa: &str, x: &s
     }
     let mut best: Vec<(f64, &Motor)> = known.iter().filter_map(|(m, _)| Some((s.value(m)?, *m))).collect();
     best.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.id.cmp(&b.1.id)));
+    // One winding of a motor stands for all: they have the same rotor, and the same metric but for rounding.
+    let mut rotors: Vec<(f64, f64)> = Vec::new();
+    best.retain(|(value, motor)| {
+        let inertia = motor.rotor_inertia.unwrap_or(f64::NAN);
+        let is_new = !rotors.iter().any(|(v, j)| near(*v, *value) && *j == inertia);
+        rotors.push((*value, inertia));
+        is_new
+    });
     for (_, motor) in best.into_iter().filter(|(_, m)| !marked.iter().any(|o| o.id == m.id)).take(NAMED) {
         panel.labels.extend(at(motor).map(|at| Label { at, text: motor.id.clone(), chosen: false }));
     }
     panel
+}
+
+/// Whether two values of a metric are those of two windings of one motor.
+fn near(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 0.03 * a.abs().max(b.abs())
 }
 
 /// `J = S K²` for S a power of ten apart, as far as it can be seen.

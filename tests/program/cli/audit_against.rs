@@ -31,10 +31,10 @@ fn what_two_sources_do_not_agree_on_is_said_and_nothing_else() {
     let text = stdout(&output);
     assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
     assert!(text.contains("mass: 150 g here, 153 g there (+2 %)") && !text.contains("20.09"), "{text}");
-    assert!(text.contains("backlash: 1.454 mrad here") && text.contains("efficiency: 0.9 here"), "{text}");
+    assert!(text.contains("backlash: 5 arcmin here") && text.contains("efficiency: 0.9 here"), "{text}");
     assert!(
         text.contains(
-            "2 rows in both, 1 here alone, 1 there alone; 1 number more than 1 % apart, 2 in one of them alone"
+            "2 rows in both, 1 here alone, 1 there alone; 7 numbers compared, 1 more than 1 % apart, 2 in one of them alone"
         ),
         "{text}"
     );
@@ -45,7 +45,11 @@ fn what_two_sources_do_not_agree_on_is_said_and_nothing_else() {
     write("second.csv", &second("a", 150.5));
     let output = run(&["second.csv"]);
     assert_eq!(output.status.code(), Some(0), "{}", stdout(&output));
-    assert!(stdout(&output).contains("0 numbers more than 1 % apart, 2 in one of them alone"), "{}", stdout(&output));
+    assert!(
+        stdout(&output).contains("7 numbers compared, 0 more than 1 % apart, 2 in one of them alone"),
+        "{}",
+        stdout(&output)
+    );
     // Another name for the same part.
     write("second.csv", &second("part-9", 153.0));
     write("ids.csv", "second,own\npart-9,a\n");
@@ -61,8 +65,19 @@ fn what_two_sources_do_not_agree_on_is_said_and_nothing_else() {
         let output = run(&["second.csv", "--map", "ids.csv"]);
         assert!(output.status.code() == Some(2) && stderr(&output).contains(said), "{said}: {}", stderr(&output));
     }
+    // Two rows of theirs for one of ours: one of them would be dropped without a word.
+    write(
+        "second.csv",
+        &[second("part-9", 153.0), second("part-8", 153.0).lines().nth(1).unwrap().to_string()].concat(),
+    );
+    write("ids.csv", "second,own\npart-9,a\npart-8,a\n");
+    let output = run(&["second.csv", "--map", "ids.csv"]);
+    assert!(output.status.code() == Some(2) && stderr(&output).contains("two rows of the second source are `a`"));
     // The built-in catalogue has points of families, which are rows as well.
     let output = gearwise_in(folder.path(), &["audit", "--against", "ours.csv"]);
+    // Where nothing is compared, nothing is agreed.
+    assert_eq!(output.status.code(), Some(1));
+    assert!(stdout(&output).contains("Nothing is compared: no id is in both."), "{}", stdout(&output));
     assert!(
         stdout(&output).contains("\n0 rows in both, ") || stdout(&output).starts_with("0 rows in both, "),
         "{}",
@@ -97,12 +112,12 @@ fn every_shipped_row_has_its_source() {
             let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(&path).unwrap();
             let header = reader.headers().unwrap().clone();
             let at = |name: &str| header.iter().position(|h| h.split(" [").next() == Some(name));
-            let (id, source, of) = (at("id").unwrap(), at("source").unwrap(), at("source_kind").unwrap());
+            let [id, source, date, of] = ["id", "source", "source_date", "source_kind"].map(|name| at(name).unwrap());
             for record in reader.records() {
                 let record = record.unwrap();
                 let name = format!("{}: {}", path.display(), &record[id]);
                 assert!(record[source].len() > 12, "{name}: {}", &record[source]);
-                assert!(!record[of].is_empty(), "{name}");
+                assert!(!record[of].is_empty() && record[date].starts_with("20"), "{name}: {}", &record[date]);
                 if &record[of] == "derived" {
                     assert!(at("note").is_some_and(|n| !record[n].is_empty()), "{name}");
                 }

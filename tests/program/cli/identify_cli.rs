@@ -456,7 +456,7 @@ fn the_page_tells_the_loop_in_six_lines() {
     assert!(missing.contains("Coulomb friction and cogging"), "{missing}");
     assert!(error.contains("0.5374 N·m before, 0.0274 N·m after, on logs that were held out"), "{error}");
     assert!(
-        choice.contains("at hip, t-motor-ri50 goes from N* = 11.31") && choice.contains("the first choice is now"),
+        choice.contains("at hip, t-motor-ri50 goes from N* = 11.38") && choice.contains("stays the first choice"),
         "{choice}"
     );
     assert!(moved.contains("most by the measured friction: N* = "), "{moved}");

@@ -401,7 +401,7 @@ fn the_limits_of_a_gear_hold_in_both_directions() {
 
 #[test]
 fn the_instant_at_which_a_limit_binds_is_labelled_and_no_other() {
-    let binds = picture(&["optimize", CHEETAH, "--set", "joint.*.motor_drag=off"]);
+    let binds = picture(&["optimize", CHEETAH, "--set", "joint.*.motor_drag=off", "--set", "bus.voltage=20 V"]);
     assert!(binds.contains("voltage binds, t = 0.3625 s") && binds.contains("where a limit binds"));
     // Here every limit on a sample leaves more than a twentieth.
     let free = picture(&["explain", "t-motor-u8-lee@8", CHEETAH, "--joint", "hip"]);

@@ -131,6 +131,7 @@ pub fn read(cells: &mut Cells, key: &str, source: &Source) -> Option<MotorRow> {
     let identity = Identity {
         id: String::new(),
         source: format!("{manufacturer} {model}, as collected in MGDB"),
+        source_date: String::new(),
         source_kind: SourceKind::Secondary,
         note: format!(
             "{key} of MGDB. {kind} taken as its equivalent DC machine: no convention is converted, and the bus voltage \

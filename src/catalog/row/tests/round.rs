@@ -99,6 +99,11 @@ prop_compose! {
     }
 }
 
+/// What a source says of its day.
+fn days() -> impl Strategy<Value = &'static str> {
+    prop::sample::select(vec!["", "2026", "2026-11", "2026-02-28"])
+}
+
 prop_compose! {
     fn motor_row()(
         manufacturer in text(), model in text(), source in text(), note in text(), accepted_findings in listed(),
@@ -106,7 +111,7 @@ prop_compose! {
         peak_torque_of in of(any_of(PeakTorqueOf::NAMES)),
         only_inside in text(), same_as in text(), conventions in conventions(), pole_pairs in of(1..u32::MAX),
         printed in numbers(FIELDS), resistance in number(Range::Positive), torque_constant in number(Range::Positive),
-        price in currency(),
+        price in currency(), source_date in days(),
     ) -> MotorRow {
         let mut sheet = Sheet::default();
         for (field, printed) in FIELDS.iter().zip(printed) {
@@ -124,7 +129,7 @@ prop_compose! {
         MotorRow {
             id: String::new(), manufacturer, model,
             source: if source.is_empty() { "a sheet".into() } else { source },
-            source_kind, note, accepted_findings,
+            source_date: source_date.into(), source_kind, note, accepted_findings,
             about: About { construction, peak_torque_of, only_inside, same_as },
             pole_pairs: pole_pairs.filter(|_| conventions.commutation == Commutation::Brushless),
             conventions, sheet,
@@ -149,10 +154,10 @@ prop_compose! {
         manufacturer in text(), model in text(), source in text(), note in text(), fits in listed(),
         source_kind in any_of(SourceKind::NAMES), kind in any_of(GearKind::NAMES), stages in of(1..u32::MAX),
         printed in numbers(GEAR_FIELDS), ratio in number(Range::Positive),
-        life_quantile in of(0..2_usize), continuous_torque_is in of(0..2_usize), price in currency(),
+        life_quantile in of(0..2_usize), continuous_torque_is in of(0..2_usize), price in currency(), source_date in days(),
     ) -> Gear {
         let mut gear = Gear {
-            manufacturer, model, note, fits, source_kind, kind, stages,
+            manufacturer, model, note, fits, source_date: source_date.into(), source_kind, kind, stages,
             source: if source.is_empty() { "a sheet".into() } else { source },
             ..Gear::blank()
         };

@@ -141,7 +141,7 @@ fn with_priced_power_a_tangent_is_below_all_ratios_at_every_load_of_its_box() {
     let catalog = Catalog::builtin().unwrap();
     let mut random = Pcg64::seed_from_u64(11);
     let (mut looked, mut near, mut flips) = (0, 0, 0);
-    for case in 0..160 {
+    for case in 0..240 {
         let robot = robot(&mut random, ["\"loss\"", "\"copper_loss\"", "\"mass\""][case % 3]);
         let joint = &robot.joints[0];
         let directions = carry::directions_of(joint);
