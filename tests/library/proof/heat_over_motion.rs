@@ -425,7 +425,7 @@ fn voltage_and_power_see_the_winding_at_its_hottest() {
 fn no_design_breaks_its_voltage_at_its_own_temperature() {
     let catalog = Catalog::builtin().unwrap();
     let mut bound = 0;
-    for (torque, speed) in [(20.0, 10.0), (5.0, 30.0), (60.0, 2.0)] {
+    for (torque, speed) in [(20.0, 10.0), (5.0, 30.0), (60.0, 2.0), (10.0, 15.0), (2.0, 60.0), (30.0, 6.0)] {
         let text = format!(
             "name='r'\nbus={{voltage='24 V'}}\n[[joint]]\nname='j'\nratio={{min=1,max=300}}\nobjective='loss'\npoints=[{{torque='{torque} N*m',speed='{speed} rad/s',duration='1 s'}}]\n"
         );

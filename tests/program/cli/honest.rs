@@ -282,3 +282,166 @@ fn a_range_of_turns_is_chosen_from_with_its_proof() {
         assert!(ran.status == 2 && collapsed(&ran.err).contains(what), "{turns} {more:?}: {} {}", ran.out, ran.err);
     }
 }
+
+/// What a card calls printed is what the row has, and a derived constant is not.
+#[test]
+fn a_card_calls_printed_what_the_row_has() {
+    let catalog = gearwise::catalog::Catalog::builtin().unwrap();
+    let mut looked = 0;
+    for motor in catalog.motors.iter().filter(|m| m.sheet.speed_constant.is_some()) {
+        let shown: Value = json_of(&["catalog", "show", &motor.id, "--json"]);
+        let said = shown["conventions"].as_array().unwrap();
+        let printed: Vec<f64> = said
+            .iter()
+            .filter(|s| s["column"] == "speed_constant" && s["printed"] == true)
+            .map(|s| s["value"].as_f64().unwrap())
+            .collect();
+        let own = motor.sheet.speed_constant.unwrap().value;
+        assert_eq!(printed.len(), 1, "{}", motor.id);
+        assert!((printed[0] / own - 1.0).abs() < 1e-12, "{}: {} for {own}", motor.id, printed[0]);
+        looked += 1;
+    }
+    assert!(looked > 20);
+}
+
+/// An estimate is marked where two motors are compared, and so is what is made from it; a number of the row is not.
+#[test]
+fn compare_marks_what_is_estimated() {
+    let folder = tempfile::tempdir().unwrap();
+    let header = "id,construction,terminals,current,resistance [ohm],inductance [mH],torque_constant [N*m/A],rotor_inertia [g*cm^2],mass [g],source,source_kind\n";
+    let row = |id: &str, l: &str| format!("{id},outrunner,q_axis,q_axis,0.2,{l},0.1,500,400,a sheet,datasheet\n");
+    std::fs::write(folder.path().join("m.csv"), [header, &row("blank", ""), &row("known", "0.1")].concat()).unwrap();
+    let run = |more: &[&str]| {
+        let words = [&["compare", "blank", "known", "--catalog", "m.csv"][..], more].concat();
+        String::from_utf8(crate::common::run::gearwise_in(folder.path(), &words).stdout).unwrap()
+    };
+    let text = run(&[]);
+    let line =
+        |of: &str| text.lines().find(|l| l.starts_with(of)).unwrap_or_else(|| panic!("{of}: {text}")).to_string();
+    assert_eq!(line("inductance L").matches("estimated").count(), 1, "{text}");
+    assert_eq!(line("63 % with inductance").matches("estimated").count(), 1, "{text}");
+    for of in ["rotor inertia", "S_M", "63 % without inductance"] {
+        assert!(!line(of).contains("estimated"), "{text}");
+    }
+    let answer: Value = serde_json::from_str(&run(&["--json"])).unwrap();
+    let estimated = |k: usize| answer["motors"][k]["estimated"].as_array().unwrap().clone();
+    assert!(estimated(0).iter().any(|e| e["quantity"] == "inductance"));
+    assert!(estimated(1).iter().all(|e| e["quantity"] != "inductance"));
+}
+
+/// A gear that nobody can evaluate is named; where all can be, nothing is said. A motor that is not allowed is called so.
+#[test]
+fn gears_that_are_not_evaluated_are_named() {
+    let text =
+        std::fs::read_to_string(crate::common::repository("requirements/humanoid_hip_catalog_gears.toml")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let with = |gears: &str| {
+        let text = text
+            .replace("gears = [\"planetary-*\"]", gears)
+            .replace("gears = [\"planetary-*\", \"strain-wave-*\"]", gears);
+        let motion = crate::common::repository("requirements");
+        let text = text.replace("motion = \"", &format!("motion = \"{}/", motion.display()));
+        std::fs::write(folder.path().join("r.toml"), text).unwrap();
+        let words = ["optimize", "r.toml", "--json"];
+        let out = crate::common::run::gearwise_in(folder.path(), &words);
+        serde_json::from_slice::<Value>(&out.stdout)
+            .unwrap_or_else(|e| panic!("{e}: {}", String::from_utf8_lossy(&out.stderr)))
+    };
+    let found = with("gears = [\"planetary-t-motor-ak80-9\", \"planetary-faulhaber-*\"]");
+    let named = found["joints"][0]["gears_without_efficiency"].as_array().unwrap();
+    assert!(named.iter().any(|g| g == "planetary-t-motor-ak80-9") && named.len() > 3, "{named:?}");
+    let found = with("gears = [\"planetary-compact-*\"]");
+    assert!(found["joints"][0].get("gears_without_efficiency").is_none());
+    let found = with("gears = [\"planetary-compact-*\"]\nmotors = [\"t-motor-u8-lee\"]");
+    let rejected = found["joints"][0]["rejected"].as_array().unwrap();
+    let not_allowed = rejected.iter().filter(|r| r["because"] == "the requirement does not allow it").count();
+    assert!(not_allowed + 1 >= rejected.len() && not_allowed > 100, "{not_allowed} of {}", rejected.len());
+}
+
+/// An audit finds a slip of a decimal point or of a unit; of rows as they are shipped it calls none an error.
+#[test]
+fn an_audit_finds_slips_of_units() {
+    let rows = std::fs::read_to_string(crate::common::repository("catalogs/motors/maxon.csv")).unwrap();
+    let gears = std::fs::read_to_string(crate::common::repository("catalogs/gears/harmonic-drive.csv")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let audit = |text: &str, id: &str, column: &str, cell: &str| {
+        let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
+        let header = reader.headers().unwrap().clone();
+        let at = header.iter().position(|h| h.split(" [").next() == Some(column)).unwrap();
+        let mut writer = csv::Writer::from_path(folder.path().join("c.csv")).unwrap();
+        writer.write_record(&header).unwrap();
+        for record in reader.records().map(Result::unwrap) {
+            let cells = record.iter().enumerate().map(|(k, old)| if k == at && &record[0] == id { cell } else { old });
+            writer.write_record(cells).unwrap();
+        }
+        writer.flush().unwrap();
+        let out = crate::common::run::gearwise_in(folder.path(), &["audit", "c.csv", "--json"]);
+        let answer: Value = serde_json::from_slice(&out.stdout).unwrap();
+        let of_row = |f: &&Value| f["id"] == id && f["severity"] != "accepted";
+        let codes = answer["findings"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .filter(of_row)
+            .map(|f| f["code"].as_str().unwrap().to_string());
+        codes.collect::<Vec<_>>()
+    };
+    let motor = "maxon-ec-i-40-496660";
+    for (column, cell, code) in [
+        ("rotor_inertia", "44000", "rotor-inertia-for-size"),
+        ("rotor_inertia", "0.044", "rotor-inertia-for-size"),
+        ("thermal_resistance_housing_ambient", "8000", "thermal-resistance-for-mass"),
+        ("continuous_current", "1000", "continuous-torque-for-mass"),
+        ("outer_diameter", "400", "diameter-for-mass"),
+        ("outer_diameter", "4000", "out-of-range"),
+        ("max_speed", "15", "max-speed-for-mass"),
+        ("max_winding_temperature", "1550", "out-of-range"),
+        ("pole_pairs", "700", "out-of-range"),
+    ] {
+        let found = audit(&rows, motor, column, cell);
+        assert!(found.iter().any(|c| c == code), "{column} = {cell}: {found:?}");
+    }
+    assert!(audit(&rows, motor, "id", motor).is_empty());
+    let gear = "strain-wave-harmonic-drive-csg-25-100";
+    for (column, cell, code) in [
+        ("mass", "15", "gear-mass-for-torque"),
+        ("mass", "150000", "gear-mass-for-torque"),
+        ("inertia", "4000000", "gear-inertia-for-mass"),
+        ("stiffness", "29", "gear-stiffness-for-torque"),
+        ("max_input_speed", "3", "gear-speed-for-mass"),
+    ] {
+        let found = audit(&gears, gear, column, cell);
+        assert!(found.iter().any(|c| c == code), "{column} = {cell}: {found:?}");
+    }
+    assert!(audit(&gears, gear, "id", gear).is_empty());
+}
+
+/// A day that is none is refused at its cell.
+#[test]
+fn a_source_has_a_day_a_month_or_a_year() {
+    let folder = tempfile::tempdir().unwrap();
+    let row = |date: &str| {
+        format!(
+            "id,terminals,current,resistance [ohm],torque_constant [N*m/A],source,source_date,source_kind\nm,q_axis,q_axis,1,0.1,s,{date},derived\n"
+        )
+    };
+    let run = |date: &str| {
+        std::fs::write(folder.path().join("m.csv"), row(date)).unwrap();
+        crate::common::run::gearwise_in(folder.path(), &["audit", "m.csv"])
+    };
+    for good in ["", "2024", "2024-02", "2024-02-29"] {
+        assert_eq!(run(good).status.code(), Some(0), "{good}");
+    }
+    for bad in ["May 2024", "29.02.2024", "2023-02-29", "24", "1066", "9999-01-01"] {
+        let out = run(bad);
+        let said = String::from_utf8_lossy(&out.stderr).to_string();
+        assert!(
+            out.status.code() == Some(2) && said.contains("is no day, month or year") && said.contains(":2:"),
+            "{bad}: {said}"
+        );
+    }
+}
+
+fn json_of(words: &[&str]) -> Value {
+    serde_json::from_slice(&crate::common::run::gearwise(words).stdout).unwrap()
+}

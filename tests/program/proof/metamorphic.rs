@@ -20,7 +20,7 @@ const MOTORS: [&str; 14] = [
     "maxon-ec-i-40-496661",
     "faulhaber-3890h048cr",
     "maxon-ec-60-flat-625858",
-    "maxon-ec-90-flat-607930",
+    "maxon-ec-i-52-606793",
     "t-motor-ri50",
     "t-motor-u8-lee",
     "t-motor-g40-kv210",
