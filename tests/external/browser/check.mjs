@@ -23,7 +23,7 @@ const commands = {
   study: ["study", "requirements/studies/quadruped.toml", "--force", "--out", path.join(folder, "study")],
   characterize: ["characterize", "requirements/bench/motor_on_bench.toml"],
   pareto: ["optimize", requirement, "--pareto", "loss,reflected_inertia"],
-  sweep: ["sweep", requirement, "--ratios", "10"],
+  sweep: ["sweep", requirement, "--ratios", "6"],
   explain: ["explain", "t-motor-ri50", requirement, "--joint", "knee"],
   audit: ["audit"],
   identify: ["identify", "requirements/bench/leg_actuator.toml"],
