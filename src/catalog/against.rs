@@ -90,8 +90,8 @@ pub fn against(catalog: &Catalog, second: &Catalog, names: &BTreeMap<String, Str
         found.apart.extend((!apart.is_empty()).then(|| difference(apart)));
         found.lacking.extend((!lacking.is_empty()).then(|| difference(lacking)));
     }
-    // Points of families are gears, too.
     found.compared = compared(catalog, &second, &found.conventions);
+    // Points of families are gears, too.
     found.both = catalog.motors.len() + catalog.all_gears().count() + catalog.modules.len() - found.own;
     found
 }

@@ -1,6 +1,6 @@
 //! Two motors side by side: the case study of Urs et al. for any pair.
 
-use super::catalog::card::{estimated, priced};
+use super::catalog::card::{estimate_line, priced};
 use super::rank::with_tolerance;
 use super::table::{Column, Table, paragraph};
 use super::{number, optional};
@@ -230,8 +230,7 @@ pub fn text(comparison: &Comparison) -> String {
             out.push_str(&paragraph(&format!("assumed: {assumption}"), 2, 4));
         }
         for estimate in &motor.estimates {
-            let line = format!("{}: {}", estimate.of.name().replace('_', " "), estimated(estimate));
-            out.push_str(&paragraph(&line, 2, 4));
+            out.push_str(&paragraph(&estimate_line(estimate), 2, 4));
         }
         for finding in audit_motor(motor) {
             let why = finding.explanation.map_or_else(String::new, |w| format!(" ({w})"));

@@ -145,6 +145,11 @@ fn printed_as(motor: &Motor, field: &Field, of: Convention) -> &'static str {
     })
 }
 
+/// An estimate in words, behind the name of what it is of.
+pub fn estimate_line(estimate: &Estimate) -> String {
+    format!("{}: {}", estimate.of.name().replace('_', " "), estimated(estimate))
+}
+
 /// An estimate in words: its value, its law, its pessimistic end.
 pub fn estimated(estimate: &Estimate) -> String {
     let law = builtin_laws().iter().find(|l| l.of == estimate.of && l.construction == estimate.construction);

@@ -2,7 +2,7 @@
 
 use super::{Page, Part, Section, Table};
 use crate::catalog::audit::{audit_motor, conventions_line};
-use crate::report::catalog::card::estimated;
+use crate::report::catalog::card::estimate_line;
 use crate::report::compare::{Comparison, faster, tables};
 use crate::report::plot::step as plot;
 
@@ -25,10 +25,7 @@ pub fn page(comparison: &Comparison) -> Page {
         sources
             .push(&motor.id, vec![motor.id.clone(), conventions_line(motor), motor.source.clone(), motor.note.clone()]);
         warnings.extend(motor.assumptions.iter().map(|what| format!("{}: assumed: {what}", motor.id)));
-        let guessed = |e: &crate::catalog::estimate::Estimate| {
-            format!("{}: {}: {}", motor.id, e.of.name().replace('_', " "), estimated(e))
-        };
-        warnings.extend(motor.estimates.iter().map(guessed));
+        warnings.extend(motor.estimates.iter().map(|e| format!("{}: {}", motor.id, estimate_line(e))));
         warnings.extend(audit_motor(motor).into_iter().map(|finding| {
             let why = finding.explanation.map_or_else(String::new, |w| format!(" ({w})"));
             format!("{}: audit [{}]: {}{why}", motor.id, finding.code, finding.message)
