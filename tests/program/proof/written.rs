@@ -24,7 +24,7 @@ fn is_bound(code: &str) -> bool {
 const RULES: &str = "
 [[rule]]
 rule = \"voltage-headroom\"
-min = 0.2
+min = 0.3
 reason = \"the battery sags\"
 [[rule]]
 name = \"cool\"
@@ -230,7 +230,7 @@ fn a_rules_file_of_the_requirement_is_kept_and_its_mistakes_are_found() {
     };
     let (with, without) = (ratio(&[]), ratio(&["--no-rules"]));
     assert!(with.1 >= without.1 && with != without, "{with:?} {without:?}");
-    fs::write(at.join("rules.toml"), RULES.replace("min = 0.2\n", "min = \"abc\"\n")).unwrap();
+    fs::write(at.join("rules.toml"), RULES.replace("min = 0.3\n", "min = \"abc\"\n")).unwrap();
     let output = run(at, &["optimize", "robot.toml"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).contains("rules.toml"));
