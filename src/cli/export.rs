@@ -4,17 +4,19 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 
 use super::chosen::Chosen;
-use super::{CatalogChoice, Done, Failure, Set};
-use crate::catalog::{Gear, Motor};
+use super::{Call, CatalogChoice, Done, Failure, Html, Set};
+use crate::catalog::{Catalog, Gear, Motor};
 use crate::design::evaluate::FEASIBILITY_TOLERANCE;
 use crate::design::examine::examine;
 use crate::design::explain::explain;
 use crate::design::judge::unjudged;
-use crate::design::simulated::{LeftOut, SimulatedJoint};
+use crate::design::simulated::spread::Spread;
+use crate::design::simulated::{Fact, LeftOut, SimulatedJoint};
 use crate::design::{Evaluation, Mount, Unusable, load_through};
 use crate::input::Source;
 use crate::output;
-use crate::report::export::{Exported, FORMATS, NamedFile, Origin, patch};
+use crate::report::export::{Exported, FORMATS, NamedFile, Origin, Wish, Wishes, patch};
+use crate::report::html;
 use crate::report::unjudged::sentence;
 use crate::requirement::{DesignFile, Joint, Robot};
 
@@ -34,30 +36,102 @@ pub struct Arguments {
     /// Format: MuJoCo, URDF, or all facts in SI
     #[arg(long, value_name = "FORMAT", required_unless_present = "into", value_parser = PossibleValuesParser::new(FORMATS.iter().map(|f| PossibleValue::new(f.name).help(f.about))))]
     to: Option<String>,
-    /// Write into this model, MJCF or URDF by its root; the result goes to `--out` or stdout
-    #[arg(long, value_name = "MODEL", conflicts_with = "to")]
+    /// Write into this model, MJCF, URDF or SDFormat by its root; the result goes to `--out` or stdout. With `--to dcmotor` MJCF
+    /// gets that
+    #[arg(long, value_name = "MODEL")]
     into: Option<PathBuf>,
-    /// Which joints of the model a joint of the design is, `*` for any run of characters; else those of its name
-    #[arg(long, value_name = "JOINT=PATTERN", requires = "into", num_args = 1..)]
+    /// Which joints of the model a joint of the design is, `*` for any run of characters; else those of its name. For USD the
+    /// path of its prim
+    #[arg(long, value_name = "JOINT=PATTERN", num_args = 1..)]
     map: Vec<String>,
+    /// Write torques behind the gear's loss: right while the motor drives, too little while the load drives
+    #[arg(long)]
+    with_efficiency: bool,
+    /// Line of torque over speed: through the corner, or the highest `below` the motor's own curve
+    #[arg(long, value_name = "LINE", default_value = "corner", value_parser = ["corner", "below"])]
+    line: String,
+    /// dcmotor: how hot the winding is, as a state
+    #[arg(long)]
+    thermal: bool,
+    /// dcmotor: the current takes its time, L/R
+    #[arg(long)]
+    electrical: bool,
+    /// URDF: without the `mechanicalReduction` of older readers, of which Drake warns
+    #[arg(long)]
+    drake: bool,
+    /// MJCF with --into: elasticity or play of the gear as a second joint
+    #[arg(long, requires = "into")]
+    gear_joint: bool,
+    /// Write ranges of 95 % where rows or fits have a ±
+    #[arg(long)]
+    ranges: bool,
+    /// Write so many draws of all numbers together, by their ± and covariance: JSON and Python
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    draws: Option<u16>,
     /// Write to this file instead of stdout
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    html: Html,
     #[command(flatten)]
     set: Set,
     #[command(flatten)]
     catalog: CatalogChoice,
 }
 
-pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+impl Arguments {
+    /// How many draws are wanted, none of them where ranges alone are; `None` where neither is.
+    fn spread(&self) -> Option<usize> {
+        let draws = self.draws.map(usize::from);
+        draws.or(self.ranges.then_some(0))
+    }
+
+    /// The wishes that were given; all formats have ranges, in a comment at least.
+    fn given(&self) -> impl Iterator<Item = Wish> {
+        let given = [
+            (self.with_efficiency, Wish::WithEfficiency),
+            (self.line == "below", Wish::LineBelow),
+            (self.thermal, Wish::Thermal),
+            (self.electrical, Wish::Electrical),
+            (self.drake, Wish::Drake),
+            (self.draws.is_some(), Wish::Draws),
+            (!self.map.is_empty(), Wish::Map),
+        ];
+        given.into_iter().filter(|(given, _)| *given).map(|(_, wish)| wish)
+    }
+
+    /// Whether the format can grant what was wished.
+    fn check_wishes(&self, place: &str, takes: &[Wish]) -> Result<(), Failure> {
+        let Some(wish) = self.given().find(|wish| !takes.contains(wish)) else { return Ok(()) };
+        let others: Vec<&str> = FORMATS.iter().filter(|f| f.takes.contains(&wish)).map(|f| f.name).collect();
+        let (option, others) = (wish.option(), others.join(", "));
+        Err(Failure::Argument(format!("`{option}` is not for {place}; it is for {others}")))
+    }
+
+    fn wishes(&self, joints: &[Exported]) -> Result<Wishes, Failure> {
+        Ok(Wishes {
+            names: names(&self.map, joints)?,
+            with_efficiency: self.with_efficiency,
+            line_below: self.line == "below",
+            thermal: self.thermal,
+            electrical: self.electrical,
+            for_drake: self.drake,
+            gear_joint: self.gear_joint,
+            as_dcmotor: self.into.is_some() && self.to.as_deref() == Some("dcmotor"),
+        })
+    }
+}
+
+pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
+    arguments.html.check()?;
     match &arguments.requirement {
-        Some(path) => one_motor(arguments, path),
-        None => design_file(arguments),
+        Some(path) => one_motor(arguments, path, call),
+        None => design_file(arguments, call),
     }
 }
 
 /// A motor at a joint of a requirement.
-fn one_motor(arguments: &Arguments, path: &Path) -> Result<Done, Failure> {
+fn one_motor(arguments: &Arguments, path: &Path, call: &Call) -> Result<Done, Failure> {
     let settings = arguments.set.settings()?;
     let source = Source::argument(path).map_err(|e| vec![e])?;
     let robot = settings.read(&source, None)?;
@@ -76,12 +150,13 @@ fn one_motor(arguments: &Arguments, path: &Path) -> Result<Done, Failure> {
         Some(Ok(spring)) => Some((spring.stiffness, spring.rest_angle.unwrap_or(0.0))),
         _ => None,
     };
-    let joints = [exported(&robot, joint, motor, gear, &story.evaluation, &story.unchecked, spring)?];
-    finish(arguments, &origin(&robot, &source, None), &joints)
+    let joints =
+        [exported(&robot, joint, motor, gear, &story.evaluation, &story.unchecked, (spring, arguments.spread()))?];
+    finish(arguments, call, (&robot, &catalog), &origin(&robot, &source, None), &joints)
 }
 
 /// The joints of a design file.
-fn design_file(arguments: &Arguments) -> Result<Done, Failure> {
+fn design_file(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     let path = Path::new(&arguments.design);
     let settings = arguments.set.settings()?;
     let stdin = path.as_os_str() == Source::STDIN;
@@ -120,10 +195,11 @@ fn design_file(arguments: &Arguments) -> Result<Done, Failure> {
             choice.gear,
             &examined.evaluation,
             &examined.unchecked,
-            spring,
+            (spring, arguments.spread()),
         )?);
     }
-    finish(arguments, &origin(&design.robot, &design.requirement, Some(&design.source)), &joints)
+    let origin = origin(&design.robot, &design.requirement, Some(&design.source));
+    finish(arguments, call, (&design.robot, &catalog), &origin, &joints)
 }
 
 fn cannot(motor: &Motor, why: &Unusable) -> Failure {
@@ -138,7 +214,7 @@ fn exported<'a>(
     gear: Option<&'a Gear>,
     evaluation: &Evaluation,
     unchecked: &[(&'static str, &'static str)],
-    spring: Option<(f64, f64)>,
+    (spring, draws): (Option<(f64, f64)>, Option<usize>),
 ) -> Result<Exported<'a>, Failure> {
     // A simulator takes every number for true: torque and speed must be some.
     if let Some(inside) = motor.inside.as_deref() {
@@ -153,11 +229,18 @@ fn exported<'a>(
         }
     }
     let load = load_through(joint, gear);
+    let ratio = evaluation.ratio;
     let candidate = Mount::new(robot, joint, &load, motor).with_gear(gear).candidate();
-    let mut simulated = SimulatedJoint::new(&candidate.map_err(|why| cannot(motor, &why))?, evaluation.ratio);
+    let mut simulated = SimulatedJoint::new(&candidate.map_err(|why| cannot(motor, &why))?, ratio);
+    let with = |motor: &Motor| {
+        let candidate = Mount::new(robot, joint, &load, motor).with_gear(gear).candidate().ok()?;
+        Some(SimulatedJoint::new(&candidate, ratio))
+    };
+    let spread = draws.and_then(|draws| Spread::new(motor, draws, with));
     if let Some((stiffness, rest_angle)) = spring.filter(|(stiffness, _)| *stiffness > 0.0) {
         let number = crate::words::number;
         simulated.left_out.push(LeftOut {
+            fact: Some(Fact::Spring),
             what: format!(
                 "parallel spring of {} N*m/rad with its rest at {} rad",
                 number(stiffness),
@@ -172,6 +255,7 @@ fn exported<'a>(
         motor,
         gear,
         simulated,
+        spread,
         broken: broken.collect(),
         unchecked: unchecked.iter().map(|(limit, _)| *limit).collect(),
         unjudged: unjudged(robot, joint, unchecked),
@@ -192,27 +276,50 @@ fn origin(robot: &Robot, requirement: &Source, design: Option<&Source>) -> Origi
 }
 
 /// Warns, makes the text and puts it where it belongs.
-fn finish(arguments: &Arguments, origin: &Origin, joints: &[Exported]) -> Result<Done, Failure> {
+fn finish(
+    arguments: &Arguments,
+    call: &Call,
+    (robot, catalog): (&Robot, &Catalog),
+    origin: &Origin,
+    joints: &[Exported],
+) -> Result<Done, Failure> {
     let mut said = Vec::new();
+    let wishes = arguments.wishes(joints)?;
     let format = FORMATS.iter().find(|f| Some(f.name) == arguments.to.as_deref());
+    let mut page_of = format;
     let text = match (&arguments.into, format) {
         (Some(model), _) => {
             if let Some(joint) = joints.iter().find(|joint| joint.simulated.is_before_the_joint) {
                 let why = "its transmission goes with the angle, or couples two joints: the numbers are those of the actuator, not of a joint of the model; use `--to`";
                 return Err(Failure::Argument(format!("`--into`: `{}`: {why}", joint.joint)));
             }
-            let names = names(&arguments.map, joints)?;
+            let takes = match format {
+                Some(dcmotor) if wishes.as_dcmotor => [dcmotor.takes, &[Wish::Map]].concat(),
+                Some(other) => {
+                    let why = format!(
+                        "`--to {}` is not for a model (`--into`); it is MJCF, URDF or SDFormat by its root, and `--to dcmotor` is for MJCF",
+                        other.name
+                    );
+                    return Err(Failure::Argument(why));
+                }
+                None => vec![Wish::Map, Wish::Drake],
+            };
+            arguments.check_wishes("a model (`--into`)", &takes)?;
             let shown = model.display();
             let old = Source::read(model).map_err(|e| vec![e])?;
-            let patched = patch::patch(old.text(), origin, joints, &names)
+            let patched = patch::patch(old.text(), origin, joints, &wishes)
                 .map_err(|why| Failure::Argument(format!("`{shown}`: {why}")))?;
+            page_of = FORMATS.iter().find(|f| f.name == patched.format);
             for remark in &patched.remarks {
                 tell!("warning: {remark}");
             }
             said.extend(patched.written.iter().map(|(joint, names)| format!("{joint}: {}", names.join(", "))));
             patched.text
         }
-        (None, Some(format)) => (format.text)(origin, joints),
+        (None, Some(format)) => {
+            arguments.check_wishes(&format!("`{}`", format.name), format.takes)?;
+            (format.text)(origin, joints, &wishes).map_err(Failure::Argument)?
+        }
         (None, None) => return Err(Failure::Argument("a format (`--to`) or a model (`--into`) is needed".into())),
     };
     for joint in joints.iter().filter(|j| !j.broken.is_empty()) {
@@ -239,6 +346,19 @@ fn finish(arguments: &Arguments, origin: &Origin, joints: &[Exported]) -> Result
             crate::words::number(joint.simulated.ratio),
             sentence(&joint.unjudged)
         );
+    }
+    if arguments.spread().is_some() {
+        for e in joints.iter().filter(|e| e.spread.as_ref().is_none_or(|spread| spread.ranges.is_empty())) {
+            tell!("warning: joint `{}`: no number of {} has a ±: no range is written", e.joint, e.motor.id);
+        }
+    }
+    if let Some(format) = page_of {
+        let inputs = || {
+            let mut inputs = catalog.files();
+            inputs.extend(robot.files());
+            inputs
+        };
+        arguments.html.write(call, inputs, || html::export::page(format, origin, joints))?;
     }
     let satisfied = joints.iter().all(|j| j.broken.is_empty() && j.unjudged.is_empty());
     let Some(out) = &arguments.out else { return Ok(Done { text, satisfied }) };

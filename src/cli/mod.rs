@@ -552,7 +552,7 @@ fn answer(command: &Command, call: &Call) -> Result<Done, Failure> {
         Command::Identify(arguments) => identify::run(arguments, call),
         Command::Torques(arguments) => torques::run(arguments),
         Command::Characterize(arguments) => characterize::run(arguments, call),
-        Command::Export(arguments) => export::run(arguments),
+        Command::Export(arguments) => export::run(arguments, call),
         Command::Import(arguments) => import::run(arguments),
         Command::Man(arguments) => man::run(arguments, self::command()),
         Command::Docs(arguments) => docs::run(arguments),

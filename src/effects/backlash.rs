@@ -1,5 +1,5 @@
 use super::features::sign;
-use super::{Doubt, Effect, Enters, Equation, Operating, Parameter, Scale, Side, Variable, positive};
+use super::{Doubt, Effect, Enters, Equation, Operating, Parameter, Scale, Side, SimulatorField, Variable, positive};
 use crate::units;
 
 /// Backlash of the gear: the output lags the motor by half the play in the direction of the torque.
@@ -37,6 +37,10 @@ impl Effect for Backlash {
 
     fn enters(&self, _values: &[f64]) -> Enters {
         Enters::NotAtAll("the play changes where the output is, not what the motor must supply")
+    }
+
+    fn export(&self, values: &[f64], _ratio: f64) -> SimulatorField {
+        SimulatorField::Play(2.0 * values[0])
     }
 
     fn side(&self) -> Side {

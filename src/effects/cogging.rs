@@ -1,4 +1,4 @@
-use super::{Doubt, Effect, Enters, Operating, Parameter, Run, Scale, Shape, Variable, positive, seen};
+use super::{Doubt, Effect, Enters, Operating, Parameter, Run, Scale, Shape, SimulatorField, Variable, positive, seen};
 use crate::units;
 
 /// Cogging of the motor: a torque that depends on the rotor's angle and not on current.
@@ -41,6 +41,10 @@ impl Effect for Cogging {
 
     fn enters(&self, values: &[f64]) -> Enters {
         Enters::Ripple(values[0].hypot(values[1]))
+    }
+
+    fn export(&self, values: &[f64], _ratio: f64) -> SimulatorField {
+        SimulatorField::Cogging { order: values[2], cosine: values[0], sine: values[1] }
     }
 
     fn separated_by(&self) -> Option<Run> {

@@ -123,8 +123,21 @@ pub enum SimulatorField {
     Damping(f64),
     /// Friction loss at the output \[N·m\].
     FrictionLoss(f64),
+    /// What friction has more at rest, at the output \[N·m\].
+    FrictionAtRest(f64),
     /// Stiffness between motor and output \[N·m/rad\].
     Stiffness(f64),
+    /// Play between motor and output, from stop to stop \[rad\].
+    Play(f64),
+    /// Torque that the motor must supply over its angle, `cosine cos(order θ) + sine sin(order θ)` \[N·m at the motor\].
+    Cogging {
+        /// Periods a revolution of the rotor.
+        order: f64,
+        /// Of the cosine.
+        cosine: f64,
+        /// Of the sine.
+        sine: f64,
+    },
     /// It is the gear's efficiency.
     Efficiency,
     /// No place for it.

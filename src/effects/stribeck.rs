@@ -1,5 +1,8 @@
 use super::coulomb::CoulombFriction;
-use super::{Doubt, Effect, Enters, Operating, Parameter, Run, Scale, Search, Shape, Side, Variable, positive, seen};
+use super::{
+    Doubt, Effect, Enters, Operating, Parameter, Run, Scale, Search, Shape, Side, SimulatorField, Variable, positive,
+    seen,
+};
 use crate::units;
 
 /// Stribeck friction of the motor: what is added to Coulomb friction at low speed, `c_s exp(−(ω/ω_s)²) sgn ω`.
@@ -49,6 +52,10 @@ impl Effect for StribeckFriction {
 
     fn enters(&self, _values: &[f64]) -> Enters {
         Enters::Evaluated(|values, at| -2.0 * at.speed / values[1].powi(2) * StribeckFriction.value(values, at))
+    }
+
+    fn export(&self, values: &[f64], ratio: f64) -> SimulatorField {
+        SimulatorField::FrictionAtRest(values[0] * ratio)
     }
 
     fn side(&self) -> Side {

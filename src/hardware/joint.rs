@@ -45,6 +45,8 @@ pub struct Hardware {
     pub gear: Option<f64>,
     /// Largest torque \[N·m\].
     pub peak: Option<Fact>,
+    /// The same before the gear's loss, N K_T I, where a loss is known: what a simulator whose joints have none is told \[N·m\].
+    pub before_loss: Option<Fact>,
     /// Torques of other meanings that a row prints, each with its name \[N·m\].
     pub others: Vec<(&'static str, Fact)>,
     /// Speed without load at the voltage \[rad/s\].
@@ -123,6 +125,7 @@ fn over_the_range(mount: &Mount, of: impl Fn(f64) -> Hardware) -> Hardware {
     Hardware {
         varies: true,
         peak: there(strongest.peak, "largest"),
+        before_loss: there(strongest.before_loss, "largest"),
         no_load: there(fastest.no_load, "smallest"),
         no_load_most: there(fastest.no_load_most, "smallest"),
         others: Vec::new(),
@@ -246,6 +249,7 @@ fn of_module(mount: &Mount, r: f64, module: &Module) -> Hardware {
         varies: false,
         gear: Some(ratio).filter(|n| n.is_finite()),
         peak,
+        before_loss: None,
         others,
         no_load,
         no_load_most,
@@ -288,6 +292,10 @@ fn of_motor(mount: &Mount, r: f64, motor: &Motor, gear: Option<&Gear>, ratio: f6
         by_current(amplitude * q_axis, "drive_current")
     });
     let peak = peak.into_iter().chain(by_drive).min_by(|a, b| a.0.total_cmp(&b.0));
+    let mut before_loss = peak.clone().filter(|_| eta < 1.0).map(|(torque, of)| {
+        let how = format!("{}N × {of}{n_is}, before the gear's loss{}", times(r, ""), with_r(r));
+        fact(r * ratio * torque, how, Holds::Exactly)
+    });
     let mut peak = peak.map(|(torque, of)| at_joint(torque, of));
     let of_gear = gear.and_then(|gear| Some((gear, gear.ratings.momentary_peak_torque.or(gear.peak_torque)?)));
     if let Some((gear, torque)) = of_gear
@@ -295,6 +303,11 @@ fn of_motor(mount: &Mount, r: f64, motor: &Motor, gear: Option<&Gear>, ratio: f6
     {
         let how = format!("{}peak torque of the gear {}, {} N*m{}", times(r, ""), gear.id, number(torque), with_r(r));
         peak = Some(fact(r * torque, how, Holds::Exactly));
+    }
+    if let Some((_, torque)) = of_gear
+        && before_loss.as_ref().is_some_and(|before| r * torque < before.value)
+    {
+        before_loss = None;
     }
     let continuous = motor.continuous_torque.map(|torque| printed(torque, "continuous_torque"));
     let continuous = continuous.or_else(|| motor.continuous_current.map(|current| by_current(current, "I_cont")));
@@ -347,6 +360,7 @@ fn of_motor(mount: &Mount, r: f64, motor: &Motor, gear: Option<&Gear>, ratio: f6
         varies: false,
         gear: Some(ratio),
         peak,
+        before_loss,
         others,
         no_load,
         no_load_most: None,

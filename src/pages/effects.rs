@@ -38,7 +38,10 @@ fn exported(effect: &dyn Effect) -> String {
     match effect.export(&vec![1.0; effect.parameters().len()], 2.0) {
         SimulatorField::Damping(_) => "damping".into(),
         SimulatorField::FrictionLoss(_) => "friction loss".into(),
-        SimulatorField::Stiffness(_) => "comment: a stiffness needs a joint of its own".into(),
+        SimulatorField::FrictionAtRest(_) => "friction at rest, where the format has one".into(),
+        SimulatorField::Stiffness(_) => "a joint of its own where the format can, else a comment".into(),
+        SimulatorField::Play(_) => "a joint of its own where the format can, else a comment".into(),
+        SimulatorField::Cogging { .. } => "the largest order, where the format has one".into(),
         SimulatorField::Efficiency | SimulatorField::Nowhere => "comment: no place for it".into(),
     }
 }

@@ -10,6 +10,7 @@ mod limits;
 mod metrics;
 mod rules;
 pub mod schema;
+mod simulators;
 
 /// A page.
 #[derive(Debug)]
@@ -29,6 +30,7 @@ pub const PAGES: &[Page] = &[
     Page { file: "metrics.md", text: metrics::text },
     Page { file: "formats.md", text: formats::text },
     Page { file: "rules.md", text: rules::text },
+    Page { file: "simulator-formats.md", text: simulators::text },
 ];
 
 /// First line of every page: who made it.

@@ -221,6 +221,25 @@ impl<'a> Reader<'a, '_> {
                     by_gear: true,
                 });
             }
+            let added = [("armature", Quantity::Armature), ("damping", Quantity::Damping)].map(|(name, quantity)| {
+                let attribute = get(&layers, name)?;
+                let own =
+                    self.sheet.list(attribute)?.first().copied().filter(|own| self.is_positive(attribute, *own))?;
+                Some((name, quantity, attribute, own * factor * factor))
+            });
+            if let Some(attribute) = get(&layers, "saturation").filter(|_| kind == "dcmotor")
+                && let Some(torque) = self.sheet.list(attribute).and_then(|list| list.first().copied())
+                && torque > 0.0
+            {
+                found.push(Stated {
+                    quantity: Quantity::Effort,
+                    value: torque * factor,
+                    span: attribute.range_value(),
+                    called: "saturation × gear".into(),
+                    slot: None,
+                    by_gear: true,
+                });
+            }
             let mut effort = |range: &str, limited: &str, gain: f64| {
                 let Some((attribute, force)) = self.limit(&layers, range, limited) else { return };
                 let factor = factor * gain;
@@ -253,6 +272,22 @@ impl<'a> Reader<'a, '_> {
             forces[k].push(efforts.iter().min_by(|a, b| a.value.total_cmp(&b.value)).cloned());
             let joint = &mut self.model.joints[k];
             joint.is_passive = false;
+            for (name, quantity, attribute, value) in added.into_iter().flatten() {
+                // It counts with what the joint itself states.
+                let own = joint.get(quantity).map_or(0.0, |own| own.value);
+                joint.stated.retain(|stated| stated.quantity != quantity);
+                let squared = factor * factor;
+                let slot = (own == 0.0 && squared > 0.0)
+                    .then(|| Slot { factor: 1.0 / squared, ..slot(node, attribute, name) });
+                joint.stated.push(Stated {
+                    quantity,
+                    value: own + value,
+                    span: attribute.range_value(),
+                    called: format!("{name} × gear²"),
+                    slot,
+                    by_gear: false,
+                });
+            }
             joint.stated.extend(others);
             if forces[k].len() == 1 {
                 joint.stated.extend(efforts);

@@ -6,6 +6,7 @@
 
 mod limits;
 mod mjcf;
+mod sdf;
 mod urdf;
 mod write;
 
@@ -173,6 +174,8 @@ pub enum Form {
     Urdf,
     /// MJCF.
     Mjcf,
+    /// SDFormat.
+    Sdf,
     /// A table of limits (JSON).
     Limits,
 }
@@ -183,6 +186,7 @@ impl Form {
         match self {
             Form::Urdf => "URDF",
             Form::Mjcf => "MJCF",
+            Form::Sdf => "SDFormat",
             Form::Limits => "limits (JSON)",
         }
     }
@@ -191,7 +195,7 @@ impl Form {
     pub fn has(self, quantity: Quantity) -> bool {
         match self {
             Form::Limits => true,
-            Form::Urdf => !matches!(quantity, Quantity::Armature | Quantity::Gear | Quantity::Saturation),
+            Form::Urdf | Form::Sdf => !matches!(quantity, Quantity::Armature | Quantity::Gear | Quantity::Saturation),
             Form::Mjcf => !matches!(quantity, Quantity::Velocity | Quantity::Saturation),
         }
     }
@@ -215,7 +219,7 @@ pub struct Model {
 }
 
 impl Model {
-    /// Reads a model (`-` is standard input): JSON where it begins with a brace, else MJCF or URDF by its root.
+    /// Reads a model (`-` is standard input): JSON where it begins with a brace, else MJCF, URDF or SDFormat by its root.
     ///
     /// # Errors
     /// Numbers that are none, names that are not unique, and files that are no model.
@@ -231,16 +235,20 @@ impl Model {
         let model = if source.text().trim_start().starts_with('{') {
             limits::read(source)?
         } else {
-            let read = Sheet::parse(source, |sheet, root| match root.tag_name().name() {
-                "robot" => Some(urdf::read(sheet, root)),
-                "mujoco" => Some(mjcf::read(sheet, root)),
-                other => {
-                    let message = format!("`{other}` is not a robot model");
-                    let problem = Problem::at(span(root), message, "the root");
-                    sheet.note(problem.help("expected `robot` (URDF), `mujoco` (MJCF), or a JSON table of limits"));
-                    None
-                }
-            });
+            let read =
+                Sheet::parse(source, |sheet, root| match root.tag_name().name() {
+                    "robot" => Some(urdf::read(sheet, root)),
+                    "mujoco" => Some(mjcf::read(sheet, root)),
+                    "sdf" => Some(sdf::read(sheet, root)),
+                    other => {
+                        let message = format!("`{other}` is not a robot model");
+                        let problem = Problem::at(span(root), message, "the root");
+                        sheet.note(problem.help(
+                            "expected `robot` (URDF), `mujoco` (MJCF), `sdf` (SDFormat), or a JSON table of limits",
+                        ));
+                        None
+                    }
+                });
             let wanted = [FileKind::Description, FileKind::Xml];
             let (found, _) = read.map_err(|error| kind::instead(error, &wanted))?;
             Model { source: source.clone(), ..found }

@@ -3,7 +3,45 @@
 //! The command of the motor is the electromagnetic torque at the motor's shaft \[N·m\], `K_T i`; `gear` is N.
 //! `actuatorfrcrange` limits what reaches the joint whichever kind of actuator drives it.
 
-use super::{Exported, Origin, comment, comment_lines, digits, escape, range};
+use super::{Cell, Exported, Format, Origin, comment, comment_lines, digits, escape, range};
+use crate::design::simulated::Fact;
+
+/// The format.
+pub const FORMAT: Format = Format {
+    name: "mjcf",
+    about: "MuJoCo's XML: default classes and motors, to be included in a model",
+    text: |origin, joints, _| Ok(text(origin, joints)),
+    says,
+    takes: &[],
+    checked: "MuJoCo 4.0",
+    source: "https://mujoco.readthedocs.io/en/stable/XMLreference.html",
+};
+
+fn says(fact: Fact) -> Cell {
+    match fact {
+        Fact::Armature => Cell::Said("joint armature"),
+        Fact::Damping => Cell::Said("joint damping"),
+        Fact::Friction => Cell::Said("joint frictionloss"),
+        Fact::FrictionAtRest => Cell::Not("frictionloss is the same at rest"),
+        Fact::PeakTorque => Cell::Said("motor forcerange, joint actuatorfrcrange"),
+        Fact::TorqueSpeed => Cell::Not("a motor has its torque at every speed; `dcmotor` has the line"),
+        Fact::Braking => Cell::Approximately("as much as while it drives"),
+        Fact::ContinuousTorque => Cell::Not("nothing heats"),
+        Fact::MechanicalSpeed => Cell::Not("MJCF has no velocity limit"),
+        Fact::GearLoss => Cell::Not("a joint has no loss in proportion to the load"),
+        Fact::Compliance => {
+            Cell::Not("only into a model, with the option `gear-joint`: a second joint with this stiffness")
+        }
+        Fact::Backlash => Cell::Not("only into a model, with the option `gear-joint`: a second joint with this range"),
+        Fact::Cogging => Cell::Not("a motor has none; `dcmotor` has one order"),
+        Fact::OtherEffects => Cell::Not("a joint has no such term"),
+        Fact::ElectricalTime => Cell::Not("the torque follows its command at once"),
+        Fact::Heating => Cell::Not("nothing heats; `dcmotor` has it with its option `thermal`"),
+        Fact::Transmission => Cell::Not("a model needs the links themselves"),
+        Fact::Spring => Cell::Not("it belongs to the joint of the model: `stiffness` and `springref`"),
+        Fact::Ranges => Cell::Approximately("in the comment"),
+    }
+}
 
 /// The class that a joint's attributes stand in.
 pub fn class(joint: &str) -> String {
@@ -59,7 +97,7 @@ fn remarks(e: &Exported) -> Vec<String> {
 
 /// The comment with provenance and what is left out.
 pub fn header(origin: &Origin, joints: &[Exported]) -> String {
-    comment(&comment_lines(origin, joints, remarks))
+    comment(&comment_lines(origin, joints, says, remarks))
 }
 
 /// An element of a tag with attributes.
@@ -68,8 +106,13 @@ pub fn element(tag: &str, attributes: &[(&'static str, String)]) -> String {
     format!("<{tag}{}/>", attributes.collect::<String>())
 }
 
+/// An element with a text.
+pub fn element_of(tag: &str, text: &str) -> String {
+    format!("<{tag}>{}</{tag}>", escape(text))
+}
+
 /// A file to be included in a model: its joints take the class, `<joint name="knee" class="knee_actuator" …/>`.
-pub fn text(origin: &Origin, joints: &[Exported]) -> String {
+fn text(origin: &Origin, joints: &[Exported]) -> String {
     let mut out = header(origin, joints);
     out.push_str("\n<!-- include this file, and give each joint its class, as in <joint name=\"knee\" class=\"knee_actuator\"/>;\n");
     out.push_str("     or let `gearwise export` write into the model, with its option `into` -->\n");

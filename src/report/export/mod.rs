@@ -1,16 +1,31 @@
-//! Designs handed over to a simulator: MJCF, URDF, JSON.
+//! Designs handed over to simulators: MuJoCo, Isaac Lab, mjlab, Unitree, Newton, PhysX, Drake, ROS 2, and JSON.
 //!
-//! The one idea: all three say the same facts of [`SimulatedJoint`], and what a format has no place for stands
-//! in its comments. XML is written as text, because its comments are for people; a model that is there already
-//! is changed attribute by attribute ([`patch`]) and stays otherwise as its author wrote it.
+//! The one idea: all say the same facts of [`SimulatedJoint`], and each says of every [`Fact`] what it makes of it: what it has
+//! no place for is in its comments. A format is one file here and its line in [`FORMATS`]. XML, Python and USD are written as
+//! text, because their comments are for people; a model that is there already is changed attribute by attribute ([`patch`]) and
+//! stays otherwise as its author wrote it.
 
+pub mod dcmotor;
+pub mod facts;
+pub mod isaaclab;
 pub mod mjcf;
+pub mod mjlab;
+pub mod newton;
 pub mod patch;
+pub mod physx;
+mod python;
+pub mod ros2_control;
+pub mod sdf;
+pub mod unitree;
 pub mod urdf;
+mod usd;
+
+pub use facts::Cell;
 
 use crate::actuator::limits::Remark;
 use crate::catalog::{Gear, Motor, alternative};
-use crate::design::simulated::SimulatedJoint;
+use crate::design::simulated::spread::Spread;
+use crate::design::simulated::{Fact, Line, SimulatedJoint};
 use crate::report::json;
 use crate::report::unjudged::sentence;
 use crate::words::xml::{escape, is_xml};
@@ -26,6 +41,8 @@ pub struct Exported<'a> {
     pub gear: Option<&'a Gear>,
     /// What a simulator is told.
     pub simulated: SimulatedJoint,
+    /// How sure that is, where it was asked for and something is known of it.
+    pub spread: Option<Spread>,
     /// Limits that the design breaks; empty where it keeps all that could be checked.
     pub broken: Vec<&'static str>,
     /// Limits that could not be checked.
@@ -56,6 +73,107 @@ pub struct NamedFile {
     pub sha256: String,
 }
 
+/// What was asked of an export.
+#[derive(Debug, Clone, Default)]
+pub struct Wishes {
+    /// Which joints of a model a joint of the design is: name and pattern, several for one.
+    pub names: Vec<(String, String)>,
+    /// Torques behind the gear's loss, as a load sees them that the motor drives.
+    pub with_efficiency: bool,
+    /// The highest line of torque over speed that promises nothing too much.
+    pub line_below: bool,
+    /// The winding heats.
+    pub thermal: bool,
+    /// The current takes its time.
+    pub electrical: bool,
+    /// Drake's elements alone, without the reduction of older transmissions, of which Drake warns.
+    pub for_drake: bool,
+    /// Into MJCF: `dcmotor` in place of `motor`.
+    pub as_dcmotor: bool,
+    /// The gear's elasticity or play as a joint of its own.
+    pub gear_joint: bool,
+}
+
+/// A wish that not every format can grant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Wish {
+    /// `--with-efficiency`.
+    WithEfficiency,
+    /// `--line below`.
+    LineBelow,
+    /// `--thermal`.
+    Thermal,
+    /// `--electrical`.
+    Electrical,
+    /// `--drake`.
+    Drake,
+    /// `--draws`.
+    Draws,
+    /// `--map`.
+    Map,
+}
+
+impl Wish {
+    /// What it is called on the command line.
+    pub fn option(self) -> &'static str {
+        match self {
+            Wish::WithEfficiency => "--with-efficiency",
+            Wish::LineBelow => "--line below",
+            Wish::Thermal => "--thermal",
+            Wish::Electrical => "--electrical",
+            Wish::Drake => "--drake",
+            Wish::Draws => "--draws",
+            Wish::Map => "--map",
+        }
+    }
+}
+
+impl Wishes {
+    /// Patterns of a joint; its own name where none are given.
+    pub fn patterns<'w>(&'w self, joint: &'w str) -> Vec<&'w str> {
+        let own: Vec<&str> = self.names.iter().filter(|(j, _)| j == joint).map(|(_, p)| p.as_str()).collect();
+        if own.is_empty() { vec![joint] } else { own }
+    }
+
+    /// The line of torque over speed of a joint, as it was asked for.
+    ///
+    /// # Errors
+    /// In words, what is not known for it.
+    pub fn line(&self, e: &Exported, key: &str) -> Result<Line, String> {
+        let s = &e.simulated;
+        let line = if self.line_below { s.line_below } else { s.line };
+        let lacks = || {
+            let why = match s.motor_torque {
+                None => {
+                    "neither motor nor drive nor gear says a largest torque: give the bus a `drive_current`, or the row a `peak_current` or `peak_torque`"
+                }
+                Some(_) if s.line_below.is_some() => {
+                    "up to which speed it has its largest torque is not known: give the row a voltage or a driving curve, or take the option `line below`, which falls from standstill on"
+                }
+                Some(_) => {
+                    "up to which speed it has its largest torque is not known: give the row a voltage, a speed without load or a driving curve"
+                }
+            };
+            format!("joint `{}`: `{key}` is needed there, and cannot be written for {}: {why}", e.joint, e.motor.id)
+        };
+        let line = line.ok_or_else(lacks)?;
+        let factor = self.efficiency(e)?;
+        Ok(Line { effort: line.effort * factor, stall: line.stall * factor, ..line })
+    }
+
+    /// What torques are multiplied with.
+    fn efficiency(&self, e: &Exported) -> Result<f64, String> {
+        match (self.with_efficiency, e.simulated.efficiencies) {
+            (false, _) => Ok(1.0),
+            (true, Some((efficiency, _))) => Ok(efficiency),
+            (true, None) => Err(format!(
+                "joint `{}`: `--with-efficiency`: the row of {} does not say what its gear loses",
+                e.joint, e.motor.id
+            )),
+        }
+    }
+}
+
 /// A format of an export.
 pub struct Format {
     /// The word of `--to`.
@@ -63,29 +181,73 @@ pub struct Format {
     /// What it is, in one line.
     pub about: &'static str,
     /// Its text.
-    pub text: fn(&Origin, &[Exported]) -> String,
+    pub text: fn(&Origin, &[Exported], &Wishes) -> Result<String, String>,
+    /// What it makes of a fact.
+    pub says: fn(Fact) -> Cell,
+    /// Which wishes it can grant.
+    pub takes: &'static [Wish],
+    /// Against what it is checked.
+    pub checked: &'static str,
+    /// Where its names and units are documented.
+    pub source: &'static str,
 }
 
 /// Every format.
 pub const FORMATS: &[Format] = &[
-    Format {
-        name: "mjcf",
-        about: "MuJoCo's XML: default classes and motors, to be included in a model",
-        text: mjcf::text,
-    },
-    Format { name: "urdf", about: "Limits, friction and transmissions", text: urdf::text },
+    mjcf::FORMAT,
+    dcmotor::FORMAT,
+    isaaclab::LAB2,
+    isaaclab::LAB3,
+    mjlab::FORMAT,
+    unitree::FORMAT,
+    newton::FORMAT,
+    physx::FORMAT,
+    urdf::FORMAT,
+    sdf::FORMAT,
+    ros2_control::FORMAT,
     Format {
         name: "json",
         about: "All facts in SI, the unit in the key",
-        text: |origin, joints| super::json_text(&json::export::json(origin, joints)),
+        text: |origin, joints, _| Ok(super::json_text(&json::export::json(origin, joints))),
+        says: json_says,
+        takes: &[Wish::Draws],
+        checked: "its schema",
+        source: "docs/schema.json",
     },
 ];
+
+fn json_says(fact: Fact) -> Cell {
+    match fact {
+        Fact::Armature => Cell::Said("armature_kgm2"),
+        Fact::Damping => Cell::Said("damping_nms_per_rad"),
+        Fact::Friction => Cell::Said("friction_loss_nm"),
+        Fact::FrictionAtRest => Cell::Said("friction_at_rest_nm"),
+        Fact::PeakTorque => Cell::Said("effort_nm"),
+        Fact::TorqueSpeed => Cell::Said("line"),
+        Fact::Braking => Cell::Said("braking_effort_nm"),
+        Fact::ContinuousTorque => Cell::Said("continuous_effort_nm"),
+        Fact::MechanicalSpeed => Cell::Said("mechanical_velocity_rad_per_s"),
+        Fact::GearLoss => Cell::Said("gear_efficiency, gear_backdrive_efficiency"),
+        Fact::Compliance => Cell::Said("gear_stiffness_nm_per_rad"),
+        Fact::Backlash => Cell::Said("backlash_rad"),
+        Fact::Cogging => Cell::Said("cogging"),
+        Fact::OtherEffects | Fact::Transmission | Fact::Spring => Cell::Approximately("in words, in left_out"),
+        Fact::ElectricalTime => Cell::Said("electrical_time_constant_s"),
+        Fact::Heating => Cell::Said("heat"),
+        Fact::Ranges => Cell::Said("ranges, draws"),
+    }
+}
 
 /// First words of a comment that the program wrote: a patch replaces it.
 pub const MARK: &str = " gearwise export";
 
 /// The provenance and what is left out, as lines of a comment.
-fn comment_lines(origin: &Origin, joints: &[Exported], not_here: impl Fn(&Exported) -> Vec<String>) -> Vec<String> {
+fn comment_lines(
+    origin: &Origin,
+    joints: &[Exported],
+    says: fn(Fact) -> Cell,
+    not_here: impl Fn(&Exported) -> Vec<String>,
+) -> Vec<String> {
     let mut lines = vec![
         format!("{MARK}, gearwise {}", env!("CARGO_PKG_VERSION")),
         format!(
@@ -120,9 +282,64 @@ fn comment_lines(origin: &Origin, joints: &[Exported], not_here: impl Fn(&Export
             lines.push(format!("  not checked: {}", e.unchecked.join(", ")));
         }
         lines.extend(not_here(e).into_iter().map(|line| format!("  {line}")));
-        for left in &s.left_out {
-            lines.push(format!("  left out: {}: {}", left.what, left.why));
-        }
+        lines.extend(range_lines(e).into_iter().map(|line| format!("  {line}")));
+        lines.extend(facts::lines(e, says).into_iter().map(|line| format!("  {line}")));
+    }
+    lines
+}
+
+/// Ranges in words, with what they come from.
+fn range_lines(e: &Exported) -> Vec<String> {
+    let Some(spread) = &e.spread else { return Vec::new() };
+    let number = super::number;
+    let one = |r: &crate::design::simulated::spread::Ranged| {
+        format!("95 %: {} {} to {}, by the ± of {}", r.name, number(r.low), number(r.high), r.from.join(", "))
+    };
+    spread.ranges.iter().map(one).collect()
+}
+
+/// What is said of a line of torque over speed.
+fn line_remarks(e: &Exported, wishes: &Wishes) -> Vec<String> {
+    let s = &e.simulated;
+    let number = super::number;
+    let Some(line) = (if wishes.line_below { s.line_below } else { s.line }) else { return Vec::new() };
+    let hot = s.winding.map_or_else(String::new, |w| format!(", winding at {} °C", number(w.hottest - 273.15)));
+    let owner = s.motor_torque.map_or("", |b| b.owner);
+    let mut lines = vec![format!(
+        "torque over speed: {} N*m (by the {owner}) up to {} rad/s, none at {} rad/s{hot}; before the gear's loss",
+        number(line.effort),
+        number(line.corner),
+        number(line.no_load)
+    )];
+    if line.is_assumed {
+        lines.push(
+            "ASSUMED: up to which speed it has its largest torque is not known; the line falls from standstill on, and a motor whose current is limited has no less".into(),
+        );
+    }
+    // Less than a thousandth is not worth a line.
+    let counts = |torque: f64| torque > 1e-3 * line.effort;
+    if counts(line.excess.1) {
+        let (speed, torque) = line.excess;
+        lines.push(format!(
+            "the line is straight: at {} rad/s it has {} N*m more than the motor",
+            number(speed),
+            number(torque)
+        ));
+    }
+    if counts(line.shortfall.1) {
+        let (speed, torque) = line.shortfall;
+        lines.push(format!(
+            "the line is straight: at {} rad/s it has {} N*m less than the motor",
+            number(speed),
+            number(torque)
+        ));
+    }
+    if let Some((efficiency, _)) = s.efficiencies.filter(|both| *both != (1.0, 1.0)) {
+        let behind = number(line.effort * efficiency);
+        lines.push(match wishes.with_efficiency {
+            true => format!("torques are written behind the gear's loss, {behind} N*m: right while the motor drives, too little while the load drives"),
+            false => format!("of these at most {behind} N*m reach a load that the motor drives"),
+        });
     }
     lines
 }
@@ -131,6 +348,13 @@ fn comment_lines(origin: &Origin, joints: &[Exported], not_here: impl Fn(&Export
 fn comment(lines: &[String]) -> String {
     let body = lines.iter().map(|line| tame(line)).collect::<Vec<_>>().join("\n    ");
     format!("<!--{body}\n-->")
+}
+
+/// A comment of lines in Python or USD: what would end a line is a blank.
+fn hashes(lines: &[String]) -> String {
+    let blank = |c: char| if c.is_control() || matches!(c, '\u{2028}' | '\u{2029}') { ' ' } else { c };
+    let tamed = lines.iter().map(|line| line.chars().map(blank).collect::<String>());
+    tamed.map(|line| format!("#{}{line}\n", if line.starts_with(' ') { "" } else { " " })).collect()
 }
 
 fn tame(line: &str) -> String {

@@ -5,12 +5,9 @@ use std::ops::Range;
 
 use roxmltree::{Document, Node};
 
-use super::{Exported, MARK, Origin, digits, escape, mjcf, urdf};
+use super::{Exported, MARK, Origin, Wishes, dcmotor, digits, escape, mjcf, sdf, urdf};
 use crate::catalog::matches_pattern;
 use crate::words::nearest;
-
-/// Which joints of the model are meant: the design's joint, and a pattern of names in the model.
-pub type Names = [(String, String)];
 
 /// A model's new text, and what should be known of it.
 #[derive(Debug)]
@@ -21,6 +18,8 @@ pub struct Patched {
     pub written: Vec<(String, Vec<String>)>,
     /// What was left alone, in words.
     pub remarks: Vec<String>,
+    /// Name of the format that it was written as.
+    pub format: &'static str,
 }
 
 /// Changes of a text that are put in all at once.
@@ -43,6 +42,18 @@ impl<'a> Edits<'a> {
             // After the attributes that are there; an element without any has them after its name.
             let at = node.attributes().map(|a| a.range().end).max().unwrap_or_else(|| self.name_end(node));
             self.changes.push((at..at, new));
+        }
+    }
+
+    /// Sets the text of an element.
+    fn set_text(&mut self, node: Node, text: &str) {
+        match node.first_child().filter(Node::is_text) {
+            Some(present) => self.changes.push((present.range(), escape(text))),
+            None => {
+                let range = node.range();
+                let name = self.text[range.start + 1..self.name_end(node)].to_string();
+                self.changes.push((range, format!("<{name}>{}</{name}>", escape(text))));
+            }
         }
     }
 
@@ -106,33 +117,84 @@ impl<'a> Edits<'a> {
     }
 }
 
-/// Writes designs into a model, MJCF or URDF by its root element.
+/// A form of model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Form {
+    Mjcf,
+    Urdf,
+    Sdf,
+}
+
+impl Form {
+    /// By the root element.
+    fn of(root: Node) -> Result<Form, String> {
+        match root.tag_name().name() {
+            "mujoco" => Ok(Form::Mjcf),
+            "robot" => Ok(Form::Urdf),
+            "sdf" => Ok(Form::Sdf),
+            other => {
+                Err(format!("its root is <{other}>; expected <mujoco> (MJCF), <robot> (URDF) or <sdf> (SDFormat)"))
+            }
+        }
+    }
+
+    /// What it cannot be written with.
+    fn refuse(self, wishes: &Wishes) -> Result<(), String> {
+        match self {
+            Form::Mjcf if wishes.for_drake => Err("`--drake` is for a URDF".into()),
+            Form::Urdf | Form::Sdf if wishes.gear_joint => {
+                Err("`--gear-joint` is for MJCF: there two joints of one body add up".into())
+            }
+            Form::Urdf | Form::Sdf if wishes.as_dcmotor => Err("`--to dcmotor` is for MJCF".into()),
+            Form::Sdf if wishes.for_drake => Err("`--drake` is for a URDF".into()),
+            _ => Ok(()),
+        }
+    }
+
+    /// The joints of a model.
+    fn joints<'a>(self, root: Node<'a, 'a>) -> Vec<Node<'a, 'a>> {
+        match self {
+            Form::Mjcf => {
+                let world = root.children().filter(|c| c.has_tag_name("worldbody"));
+                world.flat_map(|w| w.descendants()).filter(|n| n.has_tag_name("joint")).collect()
+            }
+            Form::Urdf => root.children().filter(|n| n.has_tag_name("joint")).collect(),
+            Form::Sdf => {
+                let in_model = |n: &Node| n.parent().is_some_and(|p| p.has_tag_name("model"));
+                root.descendants().filter(|n| n.has_tag_name("joint") && in_model(n)).collect()
+            }
+        }
+    }
+}
+
+/// Writes designs into a model, MJCF, URDF or SDFormat by its root element.
 ///
 /// # Errors
-/// In words: not XML, neither of the two formats, a joint that is not there, a joint meant by two designs.
-pub fn patch(text: &str, origin: &Origin, joints: &[Exported], names: &Names) -> Result<Patched, String> {
+/// In words: not XML, none of the formats, a joint that is not there, a joint meant by two designs.
+pub fn patch(text: &str, origin: &Origin, joints: &[Exported], wishes: &Wishes) -> Result<Patched, String> {
     let document = Document::parse(text).map_err(|error| format!("not XML: {error}"))?;
     let root = document.root_element();
-    let is_mjcf = match root.tag_name().name() {
-        "mujoco" => true,
-        "robot" => false,
-        other => return Err(format!("its root is <{other}>; expected <mujoco> (MJCF) or <robot> (URDF)")),
-    };
-    let own = if is_mjcf {
-        let world = root.children().filter(|c| c.has_tag_name("worldbody"));
-        world.flat_map(|w| w.descendants()).filter(|n| n.has_tag_name("joint")).collect::<Vec<_>>()
-    } else {
-        root.children().filter(|n| n.has_tag_name("joint")).collect()
-    };
+    let form = Form::of(root)?;
+    form.refuse(wishes)?;
+    let own = form.joints(root);
     if own.iter().all(|n| n.attribute("name").is_none()) {
         return Err("it has no joint with a name (included files are not followed)".into());
     }
     let mut edits = Edits { text, changes: Vec::new() };
-    let mut patched = Patched { text: String::new(), written: Vec::new(), remarks: Vec::new() };
+    let mut patched = Patched {
+        text: String::new(),
+        written: Vec::new(),
+        remarks: Vec::new(),
+        format: match form {
+            Form::Mjcf if wishes.as_dcmotor => dcmotor::FORMAT.name,
+            Form::Mjcf => mjcf::FORMAT.name,
+            Form::Urdf => urdf::FORMAT.name,
+            Form::Sdf => sdf::FORMAT.name,
+        },
+    };
     let mut taken: Vec<(&str, &str)> = Vec::new();
     for e in joints {
-        let patterns: Vec<&str> = names.iter().filter(|(joint, _)| joint == e.joint).map(|(_, p)| p.as_str()).collect();
-        let patterns = if patterns.is_empty() { vec![e.joint] } else { patterns };
+        let patterns = wishes.patterns(e.joint);
         let meant = |n: &&Node| n.attribute("name").is_some_and(|n| patterns.iter().any(|p| matches_pattern(p, n)));
         let found: Vec<Node> = own.iter().filter(meant).copied().collect();
         if found.is_empty() {
@@ -153,39 +215,127 @@ pub fn patch(text: &str, origin: &Origin, joints: &[Exported], names: &Names) ->
                 return Err(format!("joint `{name}` is meant by `{other}` and by `{}`", e.joint));
             }
             taken.push((name, e.joint));
-            if is_mjcf {
-                into_mjcf(&mut edits, root, node, name, e, &mut patched.remarks);
-            } else {
-                into_urdf(&mut edits, root, node, name, e, &mut patched.remarks);
+            let remarks = &mut patched.remarks;
+            match form {
+                Form::Mjcf => into_mjcf(&mut edits, root, node, name, (e, wishes), remarks)?,
+                Form::Urdf => into_urdf(&mut edits, root, node, name, e, remarks),
+                Form::Sdf => into_sdf(&mut edits, node, name, e, remarks),
             }
             written.push(name.to_string());
         }
         patched.written.push((e.joint.to_string(), written));
     }
-    if is_mjcf {
-        add_motors(&mut edits, root, joints, &taken);
-        edits.head(root, &mjcf::header(origin, joints));
-    } else {
-        add_transmissions(&mut edits, root, joints, &taken);
-        edits.head(root, &urdf::header(origin, joints));
+    match form {
+        Form::Mjcf => {
+            add_motors(&mut edits, root, joints, &taken, wishes)?;
+            let header =
+                if wishes.as_dcmotor { dcmotor::header(origin, joints, wishes) } else { mjcf::header(origin, joints) };
+            edits.head(root, &header);
+        }
+        Form::Urdf => {
+            add_transmissions(&mut edits, root, joints, &taken, wishes);
+            edits.head(root, &urdf::header(origin, joints));
+        }
+        Form::Sdf => {
+            if root.lookup_prefix(urdf::DRAKE) != Some("drake") {
+                let at = edits.name_end(root);
+                edits.changes.push((at..at, format!(" xmlns:drake=\"{}\"", urdf::DRAKE)));
+            }
+            edits.head(root, &sdf::header(origin, joints));
+        }
     }
     patched.text = edits.done();
     Ok(patched)
 }
 
-fn into_mjcf(edits: &mut Edits, root: Node, node: Node, name: &str, e: &Exported, remarks: &mut Vec<String>) {
+fn into_mjcf(
+    edits: &mut Edits,
+    root: Node,
+    node: Node,
+    name: &str,
+    (e, wishes): (&Exported, &Wishes),
+    remarks: &mut Vec<String>,
+) -> Result<(), String> {
     if node.attribute("type").is_some_and(|t| t != "hinge") {
         remarks.push(format!("joint `{name}` is no hinge: it was written as if it were"));
     }
-    edits.set(node, &mjcf::joint_attributes(e));
+    match wishes.as_dcmotor {
+        // What stood there of the joint itself would count twice.
+        true => edits.set(node, &dcmotor::joint_attributes(e)),
+        false => edits.set(node, &mjcf::joint_attributes(e)),
+    }
+    if wishes.gear_joint {
+        add_gear_joint(edits, root, node, name, e, remarks)?;
+    }
     for actuator in actuators(root, name) {
-        match actuator.tag_name().name() {
-            "motor" => edits.set(actuator, &mjcf::motor_attributes(e)),
-            other => remarks.push(format!(
+        match (actuator.tag_name().name(), wishes.as_dcmotor) {
+            ("motor", false) => edits.set(actuator, &mjcf::motor_attributes(e)),
+            ("dcmotor", true) => edits.set(actuator, &dcmotor::motor_attributes(e, wishes)?),
+            (other, true) => {
+                return Err(format!(
+                    "joint `{name}` is driven by a <{other}>: make it a <dcmotor> first, or write without `--to dcmotor`"
+                ));
+            }
+            (other, false) => remarks.push(format!(
                 "the <{other}> of joint `{name}` is left as it is; `actuatorfrcrange` of the joint limits it"
             )),
         }
     }
+    Ok(())
+}
+
+/// A second joint of the same body about the same axis: angles of joints of one body add up, so that this one is what the output
+/// lags the motor by, and the armature is on the motor's side of it.
+fn add_gear_joint(
+    edits: &mut Edits,
+    root: Node,
+    node: Node,
+    name: &str,
+    e: &Exported,
+    remarks: &mut Vec<String>,
+) -> Result<(), String> {
+    let s = &e.simulated;
+    let new = format!("{name}_gear");
+    let is_there = Form::Mjcf.joints(root).into_iter().find(|n| n.attribute("name") == Some(&new));
+    let mut attributes: Vec<(&'static str, String)> = vec![("name", new.clone())];
+    for copied in ["class", "type", "axis", "pos"] {
+        attributes.extend(node.attribute(copied).map(|value| (copied, value.to_string())));
+    }
+    attributes.extend([("armature", "0"), ("damping", "0"), ("frictionloss", "0")].map(|(k, v)| (k, v.to_string())));
+    attributes.push(("actuatorfrclimited", "false".into()));
+    match (s.stiffness, s.backlash) {
+        (Some(stiffness), backlash) => {
+            attributes.push(("stiffness", digits(stiffness)));
+            attributes.push(("limited", "false".into()));
+            if backlash.is_some() {
+                remarks.push(format!("joint `{new}` has the gear's elasticity; its play has no place beside it"));
+            }
+        }
+        (None, Some(play)) => {
+            let radian = root.children().any(|c| c.has_tag_name("compiler") && c.attribute("angle") == Some("radian"));
+            let half = if radian { 0.5 * play } else { (0.5 * play).to_degrees() };
+            attributes.push(("stiffness", "0".into()));
+            attributes.push(("limited", "true".into()));
+            attributes.push(("range", super::range(half)));
+        }
+        (None, None) => {
+            return Err(format!(
+                "`--gear-joint`: neither stiffness nor play of the gear of joint `{}` is known",
+                e.joint
+            ));
+        }
+    }
+    remarks.push(format!(
+        "joint `{new}` is the gear: `{name}` is the motor's angle over N now, the link's is the sum of both; no damping of it is known, give it some"
+    ));
+    match is_there {
+        Some(there) => edits.set(there, &attributes),
+        None => {
+            let (at, indent) = (node.range().end, edits.indent_of(node.range().start));
+            edits.changes.push((at..at, format!("\n{indent}{}", mjcf::element("joint", &attributes))));
+        }
+    }
+    Ok(())
 }
 
 fn actuators<'a>(root: Node<'a, 'a>, joint: &'a str) -> impl Iterator<Item = Node<'a, 'a>> {
@@ -194,26 +344,93 @@ fn actuators<'a>(root: Node<'a, 'a>, joint: &'a str) -> impl Iterator<Item = Nod
 }
 
 /// A motor for each joint that no actuator drives.
-fn add_motors(edits: &mut Edits, root: Node, joints: &[Exported], taken: &[(&str, &str)]) {
+fn add_motors(
+    edits: &mut Edits,
+    root: Node,
+    joints: &[Exported],
+    taken: &[(&str, &str)],
+    wishes: &Wishes,
+) -> Result<(), String> {
     let missing: Vec<_> = taken.iter().filter(|(name, _)| actuators(root, name).next().is_none()).collect();
     if missing.is_empty() {
-        return;
+        return Ok(());
     }
-    let lines = |indent: &str| {
-        let motors = missing.iter().filter_map(|(name, joint)| {
-            let e = joints.iter().find(|e| e.joint == *joint)?;
-            let mut attributes = vec![("name", format!("{name}_motor")), ("joint", (*name).to_string())];
-            attributes.extend(mjcf::motor_attributes(e));
-            Some(format!("{indent}{}\n", mjcf::element("motor", &attributes)))
-        });
-        motors.collect::<String>()
-    };
+    let mut motors = Vec::new();
+    for (name, joint) in missing {
+        let Some(e) = joints.iter().find(|e| e.joint == *joint) else { continue };
+        let mut attributes = vec![("name", format!("{name}_motor")), ("joint", (*name).to_string())];
+        let (tag, own) = match wishes.as_dcmotor {
+            true => ("dcmotor", dcmotor::motor_attributes(e, wishes)?),
+            false => ("motor", mjcf::motor_attributes(e)),
+        };
+        attributes.extend(own);
+        motors.push(mjcf::element(tag, &attributes));
+    }
+    let lines = |indent: &str| motors.iter().map(|motor| format!("{indent}{motor}\n")).collect::<String>();
     match root.children().find(|c| c.has_tag_name("actuator")) {
         Some(section) => edits.append(section, "actuator", lines),
         None => edits.append(root, "mujoco", |indent| {
             format!("{indent}<actuator>\n{}{indent}</actuator>\n", lines(&format!("{indent}  ")))
         }),
     }
+    Ok(())
+}
+
+fn into_sdf(edits: &mut Edits, node: Node, name: &str, e: &Exported, remarks: &mut Vec<String>) {
+    match node.attribute("type") {
+        Some("revolute" | "continuous") => {}
+        other => remarks.push(format!(
+            "joint `{name}` is {}, not revolute or continuous: it was written as if it were",
+            other.unwrap_or("of no type")
+        )),
+    }
+    let child = |of: Node<'_, '_>, tag: &str| of.children().find(|c| c.has_tag_name(tag)).map(|c| c.id());
+    let document = node.document();
+    let Some(axis) = child(node, "axis").and_then(|id| document.get_node(id)) else {
+        remarks.push(format!("joint `{name}` has no axis: only Drake's elements were written"));
+        edits.append(node, "joint", |indent| drake_lines(e, indent));
+        return;
+    };
+    let mut new = String::new();
+    let inner = format!("{}  ", edits.indent_of(axis.range().start));
+    for (tag, elements) in [("limit", sdf::limits(e)), ("dynamics", sdf::dynamics(e))] {
+        let Some(section) = child(axis, tag).and_then(|id| document.get_node(id)) else {
+            new.push_str(&sdf::section(tag, &elements, &inner));
+            continue;
+        };
+        let mut missing = Vec::new();
+        for (key, value) in elements {
+            match child(section, key).and_then(|id| document.get_node(id)) {
+                Some(present) => edits.set_text(present, &value),
+                None => missing.push((key, value)),
+            }
+        }
+        if !missing.is_empty() {
+            edits.append(section, tag, |indent| {
+                missing.iter().map(|(key, value)| format!("{indent}{}\n", mjcf::element_of(key, value))).collect()
+            });
+        }
+    }
+    if !new.is_empty() {
+        edits.append(axis, "axis", |_| new.clone());
+    }
+    let is_of_drake =
+        |c: &Node, key: &str| c.tag_name().namespace() == Some(urdf::DRAKE) && key.ends_with(c.tag_name().name());
+    let mut missing = String::new();
+    let indent = format!("{}  ", edits.indent_of(node.range().start));
+    for (key, value) in sdf::of_drake(e) {
+        match node.children().find(|c| is_of_drake(c, key)) {
+            Some(present) => edits.set_text(present, &value),
+            None => missing.push_str(&format!("{indent}{}\n", mjcf::element_of(key, &value))),
+        }
+    }
+    if !missing.is_empty() {
+        edits.append(node, "joint", |_| missing.clone());
+    }
+}
+
+fn drake_lines(e: &Exported, indent: &str) -> String {
+    sdf::of_drake(e).iter().map(|(key, value)| format!("{indent}{}\n", mjcf::element_of(key, value))).collect()
 }
 
 fn into_urdf(edits: &mut Edits, root: Node, node: Node, name: &str, e: &Exported, remarks: &mut Vec<String>) {
@@ -257,7 +474,7 @@ fn transmissions<'a>(root: Node<'a, 'a>, joint: &'a str) -> impl Iterator<Item =
 }
 
 /// A transmission for each joint that has none, and the namespace that its elements need.
-fn add_transmissions(edits: &mut Edits, root: Node, joints: &[Exported], taken: &[(&str, &str)]) {
+fn add_transmissions(edits: &mut Edits, root: Node, joints: &[Exported], taken: &[(&str, &str)], wishes: &Wishes) {
     let missing: Vec<_> = taken.iter().filter(|(name, _)| transmissions(root, name).next().is_none()).collect();
     if missing.is_empty() {
         return;
@@ -269,7 +486,7 @@ fn add_transmissions(edits: &mut Edits, root: Node, joints: &[Exported], taken: 
     edits.append(root, "robot", |indent| {
         let all = missing.iter().filter_map(|(name, joint)| {
             let e = joints.iter().find(|e| e.joint == *joint)?;
-            Some(urdf::transmission(e, name, indent))
+            Some(urdf::transmission(e, name, indent, wishes))
         });
         all.collect()
     });

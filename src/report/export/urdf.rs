@@ -3,7 +3,52 @@
 //! URDF has no armature. Drake reads rotor inertia and gear ratio in its own elements of the transmission's
 //! actuator (`drake:rotor_inertia`, at the motor, times `drake:gear_ratio`²); for others it stands in a comment.
 
-use super::{Exported, Origin, comment, comment_lines, digits, escape};
+use super::{Cell, Exported, Format, Origin, Wish, Wishes, comment, comment_lines, digits, escape};
+use crate::design::simulated::Fact;
+
+/// The format.
+pub const FORMAT: Format = Format {
+    name: "urdf",
+    about: "Limits, friction and transmissions, with Drake's rotor inertia",
+    text: |origin, joints, wishes| Ok(text(origin, joints, wishes)),
+    says,
+    takes: &[Wish::Drake],
+    checked: "Drake 1.51, MuJoCo 4.0",
+    source: "https://wiki.ros.org/urdf/XML/joint, https://drake.mit.edu/doxygen_cxx/group__multibody__parsing.html",
+};
+
+fn says(fact: Fact) -> Cell {
+    match fact {
+        Fact::Armature => {
+            Cell::Approximately("Drake reads it in the transmission, as rotor_inertia × gear_ratio²; others read none")
+        }
+        Fact::Damping => Cell::Said("dynamics damping"),
+        Fact::Friction => Cell::Said("dynamics friction"),
+        Fact::FrictionAtRest => Cell::Not("friction is the same at rest"),
+        Fact::PeakTorque => Cell::Said("limit effort"),
+        _ => not(fact),
+    }
+}
+
+/// What neither URDF nor SDF has a place for.
+pub(super) fn not(fact: Fact) -> Cell {
+    match fact {
+        Fact::MechanicalSpeed => {
+            Cell::Approximately("the limit of velocity is the least of it and the speed without load")
+        }
+        Fact::TorqueSpeed => Cell::Not("it has a box of torque and speed"),
+        Fact::Braking => Cell::Approximately("as much as while it drives"),
+        Fact::ContinuousTorque | Fact::Heating => Cell::Not("nothing heats"),
+        Fact::GearLoss => Cell::Not("a joint has no loss in proportion to the load"),
+        Fact::Compliance | Fact::Backlash => Cell::Not("it needs a link for the rotor and a joint of its own"),
+        Fact::Cogging | Fact::OtherEffects | Fact::FrictionAtRest => Cell::Not("a joint has no such term"),
+        Fact::ElectricalTime => Cell::Not("the torque follows its command at once"),
+        Fact::Transmission => Cell::Not("a model needs the links themselves"),
+        Fact::Spring => Cell::Not("a joint has no such term"),
+        Fact::Ranges => Cell::Approximately("in the comment"),
+        Fact::Armature | Fact::Damping | Fact::Friction | Fact::PeakTorque => Cell::Not("it has no place"),
+    }
+}
 
 /// Namespace of Drake's extensions.
 pub const DRAKE: &str = "http://drake.mit.edu";
@@ -44,11 +89,11 @@ fn remarks(e: &Exported) -> Vec<String> {
 
 /// The comment with provenance and what is left out.
 pub fn header(origin: &Origin, joints: &[Exported]) -> String {
-    comment(&comment_lines(origin, joints, remarks))
+    comment(&comment_lines(origin, joints, says, remarks))
 }
 
 /// Rotor and gear in a transmission, for a joint of the model's name; lines are indented by `indent`.
-pub fn transmission(e: &Exported, joint: &str, indent: &str) -> String {
+pub fn transmission(e: &Exported, joint: &str, indent: &str, wishes: &Wishes) -> String {
     let s = &e.simulated;
     let joint = escape(joint);
     let rotor =
@@ -60,7 +105,10 @@ pub fn transmission(e: &Exported, joint: &str, indent: &str) -> String {
         "    <hardwareInterface>hardware_interface/EffortJointInterface</hardwareInterface>".into(),
         "  </joint>".into(),
         format!("  <actuator name=\"{joint}_motor\">"),
-        format!("    <mechanicalReduction>{}</mechanicalReduction>", digits(s.ratio)),
+        match wishes.for_drake {
+            true => String::new(),
+            false => format!("    <mechanicalReduction>{}</mechanicalReduction>", digits(s.ratio)),
+        },
         rotor.unwrap_or_default(),
         format!("    <drake:gear_ratio value=\"{}\"/>", digits(s.ratio)),
         "  </actuator>".into(),
@@ -70,7 +118,7 @@ pub fn transmission(e: &Exported, joint: &str, indent: &str) -> String {
 }
 
 /// What goes into the joints of a robot. It is no robot by itself: links, axes and ranges are the model's.
-pub fn text(origin: &Origin, joints: &[Exported]) -> String {
+fn text(origin: &Origin, joints: &[Exported], wishes: &Wishes) -> String {
     let mut out = header(origin, joints);
     out.push_str("\n<!-- copy limit and dynamics into the joint of the same name, or let `gearwise export` write\n");
     out.push_str("     into the model, with its option `into`; links, axes and ranges of angle are the model's -->\n");
@@ -83,7 +131,7 @@ pub fn text(origin: &Origin, joints: &[Exported]) -> String {
             out.push_str(&format!("    {}\n", super::mjcf::element("dynamics", &dynamics)));
         }
         out.push_str("  </joint>\n");
-        out.push_str(&transmission(e, e.joint, "  "));
+        out.push_str(&transmission(e, e.joint, "  ", wishes));
     }
     out.push_str("</robot>\n");
     out

@@ -16,6 +16,7 @@ pub mod characterize;
 pub mod check;
 pub mod compare;
 pub mod explain;
+pub mod export;
 pub mod identify;
 pub mod identify_robot;
 pub mod optimize;

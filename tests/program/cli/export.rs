@@ -259,7 +259,7 @@ fn wrong_inputs_say_what_is_wrong() {
         (vec!["--into", &model, "--map", "knee"], "expected JOINT=PATTERN"),
         (vec!["--into", &model, "--map", "knie=*_knee"], "did you mean `knee`?"),
         (vec!["--into", &broken], "not XML"),
-        (vec!["--into", &html], "expected <mujoco> (MJCF) or <robot> (URDF)"),
+        (vec!["--into", &html], "expected <mujoco> (MJCF), <robot> (URDF) or <sdf> (SDFormat)"),
         (vec!["--to", "mjcf", "--out", nowhere.to_str().unwrap()], "cannot write"),
         (vec!["--to", "mjcf", "--out", folder.path().to_str().unwrap()], "it is a folder"),
     ] {

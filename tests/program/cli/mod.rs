@@ -16,6 +16,7 @@ mod families;
 mod folder;
 mod fronts;
 mod gear_map;
+mod handover;
 mod help;
 mod honest;
 mod html;

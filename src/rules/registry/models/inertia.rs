@@ -13,7 +13,7 @@ pub(in crate::rules::registry) const ARMATURE_MISSING: Rule = Rule {
     name: "armature-missing",
     summary: "a model states the inertia of its actuators",
     severity: Severity::Warning,
-    what: "Finds joints whose armature is missing or 0 while their hardware has one. URDF has no armature but that of a transmission of Drake; a URDF without one is not judged.",
+    what: "Finds joints whose armature is missing or 0 while their hardware has one. URDF and SDFormat have no armature but that of Drake; one without it is not judged. In MJCF the armature of an actuator times its gear² counts with that of its joint.",
     why: "Behind a gear the rotor is often heavier than the limb: without it the joint is far too quick, and contacts are far too hard.",
     example: "An MJCF joint without `armature` on an actuator with 0.01 kg*m^2 at the flange.",
     fix: "Write r² times the inertia at the flange, or (r N)² (J_m + J_g).",
@@ -24,8 +24,8 @@ fn armature_missing(facts: &ModelFacts, k: usize) -> Judgement {
     let joint = &facts.joints[k];
     let Some(hardware) = alone(joint) else { return Judgement::NotAsked };
     let stated = joint.get(Quantity::Armature);
-    if stated.is_none() && facts.models[joint.model].form == Form::Urdf {
-        return Judgement::NotJudged("URDF has no armature");
+    if stated.is_none() && matches!(facts.models[joint.model].form, Form::Urdf | Form::Sdf) {
+        return Judgement::NotJudged("URDF and SDFormat have no armature");
     }
     if stated.is_some_and(|stated| stated.value > 0.0) {
         return Judgement::NotAsked;

@@ -13,7 +13,7 @@ pub(in crate::rules::registry) const EFFORT_ABOVE_PEAK: Rule = Rule {
     name: "effort-above-peak",
     summary: "no joint of a model gives more torque than its hardware",
     severity: Severity::Error,
-    what: "Compares the effort of each joint (URDF `effort`; MJCF `actuatorfrcrange`, `forcerange`, `ctrlrange` of a motor, with `gear`) with the peak torque of the hardware at the joint: r times that of a module, N η r times that of a motor.",
+    what: "Compares the effort of each joint (URDF `effort`; MJCF `actuatorfrcrange`, `forcerange`, `ctrlrange` of a motor, with `gear`) with the peak torque of the hardware at the joint: r times that of a module, N η r times that of a motor. One that is N r times the motor's, before the gear's loss, is a note: simulators' joints have no such loss.",
     why: "A controller that was trained or tuned with torque that nobody can buy falls over on the robot. Interbotix #253: effort 20 N*m on a servo of 4.1 N*m.",
     example: "effort=\"20\" at a joint driven by a servo with a stall torque of 4.1 N*m.",
     fix: "Write the peak torque at the joint; or name the hardware that is really there.",
@@ -32,6 +32,18 @@ fn effort_above_peak(facts: &ModelFacts, k: usize) -> Judgement {
     let above = effort.value > peak.value * (1.0 + facts.file.tolerances.limits);
     if !above || is_explained(facts, k) {
         return Judgement::Judged(Vec::new());
+    }
+    let share = facts.file.tolerances.limits;
+    if let Some(before) = hardware.before_loss.as_ref().filter(|b| within(effort.value, b.value, share)) {
+        let message = format!(
+            "{} is the peak torque before the gear's loss; {} N*m reach a load that the motor drives",
+            stated_as(effort),
+            number(peak.value)
+        );
+        let mut remark = about(k, facts, effort, message).against(before, "peak torque before the gear's loss");
+        remark.severity = Some(Severity::Note);
+        remark.help = Some(format!("a joint without loss is nearest with {} N*m while it drives", number(peak.value)));
+        return Judgement::Judged(vec![remark]);
     }
     let why =
         explained(effort.value / peak.value, &factors(hardware, 1)).map_or(String::new(), |why| format!("; {why}"));

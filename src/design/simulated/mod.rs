@@ -4,7 +4,14 @@
 //! the armature `N² (J_m + J_g)` against damping, friction loss and the load. Everything of the model that has
 //! no place in that equation is listed with the reason, never dropped.
 
-use crate::actuator::limits::Candidate;
+mod facts;
+mod line;
+pub mod spread;
+
+pub use facts::Fact;
+pub use line::Line;
+
+use crate::actuator::limits::{Candidate, hottest};
 use crate::catalog::module::{BUILT_IN, Inside};
 use crate::effects::{EFFECTS, Effect, SimulatorField};
 use crate::requirement::FamilyPlace;
@@ -21,10 +28,47 @@ pub struct Bound {
 /// Something that the simulator's joint does not say.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LeftOut {
+    /// The fact that it is of: a format that says it does not leave it out. `None` for what is not known, which none can say.
+    pub fact: Option<Fact>,
     /// What.
     pub what: String,
     /// Why, or where it would have to go.
     pub why: String,
+}
+
+/// Cogging of one order, at the motor: torque `amplitude sin(order θ + phase)` on the rotor at its angle θ.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cog {
+    /// Periods a revolution of the rotor.
+    pub order: f64,
+    /// Amplitude \[N·m\].
+    pub amplitude: f64,
+    /// Phase \[rad\].
+    pub phase: f64,
+}
+
+/// How the winding heats, as one body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Heat {
+    /// Thermal resistance from winding to ambient \[K/W\].
+    pub resistance: f64,
+    /// Time constant of the housing, with which the winding follows in the long run \[s\]; `None` where the row says none.
+    pub time_constant: Option<f64>,
+    /// Ambient temperature \[K\].
+    pub ambient: f64,
+}
+
+/// The winding as a simulator of motors takes it, at the motor, on the q axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Winding {
+    /// Resistance at the reference temperature \[Ω\].
+    pub resistance: f64,
+    /// Temperature of that resistance \[K\].
+    pub reference: f64,
+    /// Temperature that the torque–speed line is made for: the highest allowed \[K\].
+    pub hottest: f64,
+    /// L/R \[s\]; `None` where the inductance is not known.
+    pub time_constant: Option<f64>,
 }
 
 /// An actuator at its joint. SI; at the output unless said.
@@ -40,6 +84,8 @@ pub struct SimulatedJoint {
     pub damping: Option<f64>,
     /// Coulomb friction of motor and gear \[N·m\], `N c`; `None` where neither is known.
     pub friction_loss: Option<f64>,
+    /// What friction has more at rest \[N·m\], where that is known.
+    pub friction_at_rest: Option<f64>,
     /// Largest electromagnetic torque \[N·m\] at the motor that motor, drive and gear allow.
     pub motor_torque: Option<Bound>,
     /// Torque at the motor that can be held for ever \[N·m\].
@@ -49,6 +95,24 @@ pub struct SimulatedJoint {
     /// Speed up to which the voltage suffices for the largest torque \[rad/s\]; `None` where no largest torque
     /// is known.
     pub speed_at_motor_torque: Option<f64>,
+    /// Largest torque at the motor whatever the voltage \[N·m\]: while the load drives, the back-EMF helps.
+    pub braking_motor_torque: Option<Bound>,
+    /// Largest speed that motor, gear and transmission allow whatever the voltage \[rad/s\].
+    pub mechanical_speed: Option<Bound>,
+    /// Torque over speed as simulators draw it; `None` where largest torque, its speed or the speed without load is not known.
+    pub line: Option<Line>,
+    /// The highest line that promises nothing too much.
+    pub line_below: Option<Line>,
+    /// Elasticity of the gear \[N·m/rad\], where it is known.
+    pub stiffness: Option<f64>,
+    /// Play of the gear, from stop to stop \[rad\], where it is known.
+    pub backlash: Option<f64>,
+    /// Cogging, the largest order first.
+    pub cogging: Vec<Cog>,
+    /// The winding; `None` for a module that says ratings alone.
+    pub winding: Option<Winding>,
+    /// How it heats, where that is known.
+    pub heat: Option<Heat>,
     /// Torque constant \[N·m/A\] on the q axis; `None` for a module that says ratings alone.
     pub torque_constant: Option<f64>,
     /// Gear efficiencies when the motor drives, η, and when the load drives, η_b; `None` for a module whose row does not say them.
@@ -80,6 +144,16 @@ impl SimulatedJoint {
             continuous_motor_torque: continuous_torque(candidate, ratio),
             speed: largest_speed(candidate, ratio),
             speed_at_motor_torque: None,
+            friction_at_rest: None,
+            braking_motor_torque: braking_torque(candidate, ratio),
+            mechanical_speed: mechanical_speed(candidate, ratio),
+            line: None,
+            line_below: None,
+            stiffness: candidate.catalog_gear.and_then(|gear| gear.stiffness),
+            backlash: candidate.catalog_gear.and_then(|gear| gear.backlash),
+            cogging: Vec::new(),
+            winding: says_currents.then(|| winding(candidate)),
+            heat: heat(candidate),
             torque_constant: says_currents.then_some(candidate.actuator.torque_constant),
             efficiencies: inside(candidate)
                 .is_none_or(|inside| inside.gear_loss.is_some())
@@ -100,7 +174,7 @@ impl SimulatedJoint {
             && let Some(at_rest) = module.at_output(module.sheet.static_friction, module.refers.friction_side, 1)
         {
             joint.friction_loss = Some(at_rest);
-            joint.leave_out("friction while it moves", "the row says friction at rest alone, which is written");
+            joint.leave_out(None, "friction while it moves", "the row says friction at rest alone, which is written");
         }
         let of_gear = candidate.gear.no_load;
         let frictions = [
@@ -117,8 +191,10 @@ impl SimulatedJoint {
                 *value.get_or_insert(0.0) += of_gear;
             }
         }
-        unknown.into_iter().for_each(|(name, why)| joint.leave_out(name, why));
+        unknown.into_iter().for_each(|(name, why)| joint.leave_out(None, name, why));
+        joint.cogging.sort_by(|a, b| b.amplitude.total_cmp(&a.amplitude));
         joint.pass_on(candidate);
+        joint.draw_lines(candidate, ratio);
         joint.leave_out_the_gear(candidate);
         joint.leave_out_the_drive(candidate);
         joint
@@ -140,17 +216,21 @@ impl SimulatedJoint {
             let why = format!(
                 "the numbers written are those of the actuator before it; {range}; a model needs the links themselves"
             );
-            return self.leave_out(format!("transmission ({})", passed.word()), why);
+            return self.leave_out(Fact::Transmission, format!("transmission ({})", passed.word()), why);
         };
         let r = signed.abs();
         if signed < 0.0 {
-            self.leave_out("direction", format!("r = {}: the joint turns against the actuator", number(signed)));
+            self.leave_out(None, "direction", format!("r = {}: the joint turns against the actuator", number(signed)));
         }
         let at_joint = |bound: Bound| Bound { value: bound.value / r, ..bound };
         self.armature = self.armature.map(|own| passed.inertia_at_joint(own));
         self.damping = self.damping.map(|b| b * r * r);
         self.friction_loss = self.friction_loss.map(|c| c * r);
+        self.friction_at_rest = self.friction_at_rest.map(|c| c * r);
+        self.stiffness = self.stiffness.map(|k| k * r * r);
+        self.backlash = self.backlash.map(|play| play / r);
         self.speed = at_joint(self.speed);
+        self.mechanical_speed = self.mechanical_speed.map(at_joint);
         self.speed_at_motor_torque = self.speed_at_motor_torque.map(|speed| speed / r);
         self.ratio *= r;
         // What turns with the transmission counts as if it were the gear's: N r squared times both is the armature.
@@ -161,15 +241,50 @@ impl SimulatedJoint {
             self.speed = Bound { value: most, owner: "transmission" };
             self.speed_at_motor_torque = self.speed_at_motor_torque.map(|speed| speed.min(most));
         }
-        if let Some(most) = passed.numbers.peak_torque.map(|most| most / self.ratio)
-            && self.motor_torque.is_none_or(|torque| most < torque.value)
-        {
-            self.motor_torque = Some(Bound { value: most, owner: "transmission" });
+        let most = passed.numbers.max_input_speed.map(|most| Bound { value: most / r, owner: "transmission" });
+        self.mechanical_speed = least([self.mechanical_speed, most]);
+        if let Some(most) = passed.numbers.peak_torque.map(|most| most / self.ratio) {
+            for torque in [&mut self.motor_torque, &mut self.braking_motor_torque] {
+                *torque = least([*torque, Some(Bound { value: most, owner: "transmission" })]);
+            }
         }
         if passed.numbers.is_lossy() {
             let what = format!("efficiency {} of the transmission", number(passed.numbers.efficiency));
-            self.leave_out(what, "a joint has no loss in proportion to the load");
+            self.leave_out(Fact::GearLoss, what, "a joint has no loss in proportion to the load");
         }
+    }
+
+    /// The lines of torque over speed, through the corner at which the voltage leaves the largest torque: at the joint, or before
+    /// a transmission that has no one ratio.
+    fn draw_lines(&mut self, candidate: &Candidate, ratio: f64) {
+        let Some((torque, no_load)) = self.motor_torque.zip(no_load_speed(candidate, ratio)) else { return };
+        // What the output turns, the joint turns r times less; `ratio` is that of the gear alone.
+        let behind = self.ratio / ratio;
+        let speed_at = |at_output: f64| speed_at_torque(candidate, at_output / ratio, ratio);
+        let Some(line) = Line::new(torque.value * ratio, no_load, speed_at) else {
+            self.line_below = Line::triangle(torque.value * ratio, no_load).map(|line| line.behind(behind));
+            return;
+        };
+        self.line_below = Some(line.below(speed_at).behind(behind));
+        self.line = Some(line.behind(behind));
+    }
+
+    /// Largest torque at the output while the load drives \[N·m\], before the gear's loss.
+    pub fn braking_effort(&self) -> Option<Bound> {
+        self.braking_motor_torque.map(|b| Bound { value: b.value * self.ratio, ..b })
+    }
+
+    /// The numbers that ranges and draws are of, by name; SI, at the joint.
+    pub fn numbers(&self) -> [(&'static str, Option<f64>); 7] {
+        [
+            ("armature", self.armature),
+            ("damping", self.damping),
+            ("friction_loss", self.friction_loss),
+            ("effort", self.effort().map(|b| b.value)),
+            ("saturation_effort", self.line.map(|l| l.stall)),
+            ("no_load_speed", self.line.map(|l| l.no_load)),
+            ("torque_constant", self.torque_constant),
+        ]
     }
 
     /// Largest torque at the output \[N·m\] before the gear's loss, `N T`.
@@ -182,8 +297,8 @@ impl SimulatedJoint {
         self.continuous_motor_torque.map(|b| Bound { value: b.value * self.ratio, ..b })
     }
 
-    fn leave_out(&mut self, what: impl Into<String>, why: impl Into<String>) {
-        self.left_out.push(LeftOut { what: what.into(), why: why.into() });
+    fn leave_out(&mut self, fact: impl Into<Option<Fact>>, what: impl Into<String>, why: impl Into<String>) {
+        self.left_out.push(LeftOut { fact: fact.into(), what: what.into(), why: why.into() });
     }
 
     /// Puts an effect where it says that a simulator keeps it.
@@ -191,18 +306,36 @@ impl SimulatedJoint {
         match effect.export(values, self.ratio) {
             SimulatorField::Damping(value) => *self.damping.get_or_insert(0.0) += value,
             SimulatorField::FrictionLoss(value) => *self.friction_loss.get_or_insert(0.0) += value,
-            SimulatorField::Stiffness(value) => self.leave_out(
-                told(effect, values),
-                format!(
-                    "a stiffness of {} N*m/rad between motor and output needs a body for the rotor and a joint of its own",
-                    crate::words::number(value)
-                ),
-            ),
+            SimulatorField::FrictionAtRest(value) => {
+                *self.friction_at_rest.get_or_insert(0.0) += value;
+                self.leave_out(Fact::FrictionAtRest, told(effect, values), "a simulator's joint has no such term");
+            }
+            SimulatorField::Stiffness(value) => {
+                self.stiffness = Some(value);
+                self.leave_out(
+                    Fact::Compliance,
+                    told(effect, values),
+                    format!(
+                        "a stiffness of {} N*m/rad between motor and output needs a body for the rotor and a joint of its own",
+                        crate::words::number(value)
+                    ),
+                );
+            }
+            SimulatorField::Play(value) => {
+                self.backlash = Some(value);
+                self.leave_out(Fact::Backlash, told(effect, values), "a simulator's joint has no such term");
+            }
+            SimulatorField::Cogging { order, cosine, sine } => {
+                // The motor has to supply a cos + b sin more: that much pulls at the rotor the other way.
+                let (amplitude, phase) = (cosine.hypot(sine), (-cosine).atan2(-sine));
+                self.cogging.push(Cog { order, amplitude, phase });
+                self.leave_out(Fact::Cogging, told(effect, values), "a simulator's joint has no such term");
+            }
             SimulatorField::Efficiency => {
-                self.leave_out(told(effect, values), "it is the gear's efficiency, see there");
+                self.leave_out(Fact::GearLoss, told(effect, values), "it is the gear's efficiency, see there");
             }
             SimulatorField::Nowhere => {
-                self.leave_out(told(effect, values), "a simulator's joint has no such term");
+                self.leave_out(Fact::OtherEffects, told(effect, values), "a simulator's joint has no such term");
             }
         }
     }
@@ -210,7 +343,7 @@ impl SimulatedJoint {
     fn leave_out_the_gear(&mut self, candidate: &Candidate) {
         if self.armature.is_none() {
             let why = "the module's own inertia is not known: none is written, and a simulator takes none for it; measure or ask for it";
-            self.leave_out("armature", why);
+            self.leave_out(None, "armature", why);
         }
         let number = crate::words::number;
         if let Some((efficiency, backwards)) = self.efficiencies.filter(|both| *both != (1.0, 1.0)) {
@@ -224,37 +357,40 @@ impl SimulatedJoint {
                     number(effort.value * efficiency)
                 )
             });
-            self.leave_out(what, format!("a joint has no loss in proportion to the load{loss}"));
+            self.leave_out(Fact::GearLoss, what, format!("a joint has no loss in proportion to the load{loss}"));
         }
         if let Some(inside) = inside(candidate).filter(|inside| !inside.says_loss()) {
             let why = "the module's row does not say it: less than N K_T i may arrive at the output";
-            self.leave_out(format!("loss of the gear of {}", inside.module.id), why);
+            self.leave_out(None, format!("loss of the gear of {}", inside.module.id), why);
         }
         let family = candidate.joint.family_map().filter(|_| candidate.catalog_gear.is_none());
         if let Some(FamilyPlace::Between(below, above)) = family.and_then(|map| map.place(self.ratio)) {
             self.leave_out(
+                None,
                 format!("that the gear lies between {} and {}", below.id, above.id),
                 "nobody published it: its numbers are interpolated",
             );
         }
         if family.is_some_and(|map| !map.says(|row| row.inertia)) {
-            self.leave_out("gear inertia", "no point of its family says it; the armature is the rotor's alone");
+            self.leave_out(None, "gear inertia", "no point of its family says it; the armature is the rotor's alone");
         }
         let Some(gear) = candidate.catalog_gear else { return };
         if let Some(backlash) = gear.backlash {
             self.leave_out(
+                Fact::Backlash,
                 format!("backlash {} rad", number(backlash)),
                 "a joint has no play; a second joint with that range in series would have it",
             );
         }
         if let Some(stiffness) = gear.stiffness {
             self.leave_out(
+                Fact::Compliance,
                 format!("gear stiffness {} N*m/rad", number(stiffness)),
                 "it needs a body for the rotor and a joint of its own",
             );
         }
         if gear.inertia.is_none() && gear.id != BUILT_IN {
-            self.leave_out("gear inertia", "the catalogue does not say it; the armature is the rotor's alone");
+            self.leave_out(None, "gear inertia", "the catalogue does not say it; the armature is the rotor's alone");
         }
     }
 
@@ -269,6 +405,7 @@ impl SimulatedJoint {
         });
         match inside(candidate) {
             Some(inside) => self.leave_out(
+                Fact::TorqueSpeed,
                 "torque that falls with speed",
                 match inside.module.driving_curve.as_slice() {
                     [] => format!("without load it turns with {} rad/s{peak}", number(self.speed.value)),
@@ -285,6 +422,7 @@ impl SimulatedJoint {
                 },
             ),
             None => self.leave_out(
+                Fact::TorqueSpeed,
                 "torque that falls with speed",
                 format!(
                     "the voltage ends all torque at {} rad/s{peak}",
@@ -294,19 +432,22 @@ impl SimulatedJoint {
         }
         match motor.inductance.filter(|_| self.torque_constant.is_some()) {
             Some(inductance) => self.leave_out(
+                Fact::ElectricalTime,
                 format!("electrical time constant {} ms", number(1e3 * inductance / motor.resistance)),
                 "the command is the torque itself: the drive's current loop is taken as ideal",
             ),
-            None => self.leave_out("electrical time constant", "the motor's inductance is not known"),
+            None => self.leave_out(None, "electrical time constant", "the motor's inductance is not known"),
         }
         if self.motor_torque.is_none() {
-            self.leave_out("largest torque", "neither motor nor drive nor gear says one");
+            self.leave_out(None, "largest torque", "neither motor nor drive nor gear says one");
         }
         match self.continuous_effort() {
-            Some(bound) => {
-                self.leave_out("heating", format!("{} N*m continuous (by the {})", number(bound.value), bound.owner))
-            }
-            None => self.leave_out("heating", "the continuous torque is not known"),
+            Some(bound) => self.leave_out(
+                Fact::ContinuousTorque,
+                "heating",
+                format!("{} N*m continuous (by the {})", number(bound.value), bound.owner),
+            ),
+            None => self.leave_out(None, "heating", "the continuous torque is not known"),
         }
     }
 }
@@ -337,6 +478,15 @@ fn least(bounds: impl IntoIterator<Item = Option<Bound>>) -> Option<Bound> {
 /// Largest torque at the motor: of its row, of the current of motor, drive and voltage, of the gear's output over N.
 /// No safety factor: it is the limit itself.
 fn peak_torque(candidate: &Candidate, ratio: f64) -> Option<Bound> {
+    // At standstill the voltage drives no more than V/R.
+    let actuator = &candidate.actuator;
+    let stall = actuator.shortfall.left_of_current(candidate.voltage() / candidate.motor.resistance, 1.0);
+    let voltage = Bound { value: actuator.torque_constant * stall, owner: "voltage at standstill" };
+    least([braking_torque(candidate, ratio), Some(voltage)])
+}
+
+/// The same whatever the voltage.
+fn braking_torque(candidate: &Candidate, ratio: f64) -> Option<Bound> {
     let actuator = &candidate.actuator;
     let shortfall = &actuator.shortfall;
     let current = candidate.peak_current().map(|(current, owner)| Bound {
@@ -345,11 +495,8 @@ fn peak_torque(candidate: &Candidate, ratio: f64) -> Option<Bound> {
     });
     let torque = candidate.motor.peak_torque.map(|t| Bound { value: shortfall.left_of_torque(t, 1.0), owner: "motor" });
     let gear = candidate.gear.peak_torque.map(|t| Bound { value: t / ratio, owner: "gear" });
-    // At standstill the voltage drives no more than V/R.
-    let stall = shortfall.left_of_current(candidate.voltage() / candidate.motor.resistance, 1.0);
-    let voltage = Some(Bound { value: actuator.torque_constant * stall, owner: "voltage at standstill" });
     let module = of_module(candidate, ratio, |inside| inside.module.largest_torque());
-    least([module, current, torque, gear, voltage])
+    least([module, current, torque, gear])
 }
 
 /// Torque at the motor that can be held for ever, by current, torque, temperature or gear.
@@ -367,12 +514,43 @@ fn continuous_torque(candidate: &Candidate, ratio: f64) -> Option<Bound> {
 fn largest_speed(candidate: &Candidate, ratio: f64) -> Bound {
     let voltage =
         Bound { value: candidate.voltage() / candidate.motor.emf_constant() / ratio, owner: "voltage without load" };
-    let motor = candidate.motor.max_speed.map(|s| Bound { value: s / ratio, owner: "motor" });
-    let gear = candidate.gear.max_input_speed.map(|s| Bound { value: s / ratio, owner: "gear" });
     let says_emf = inside(candidate).is_none_or(|inside| inside.says_power());
     let volt = candidate.robot.bus.voltage;
     let module = of_module(candidate, 1.0, |inside| inside.module.no_load_speed_at(volt));
-    least([Some(voltage).filter(|_| says_emf), motor, gear, module]).unwrap_or(voltage)
+    least([Some(voltage).filter(|_| says_emf), mechanical_speed(candidate, ratio), module]).unwrap_or(voltage)
+}
+
+/// Largest speed at the output that motor and gear allow whatever the voltage.
+fn mechanical_speed(candidate: &Candidate, ratio: f64) -> Option<Bound> {
+    let motor = candidate.motor.max_speed.map(|s| Bound { value: s / ratio, owner: "motor" });
+    let gear = candidate.gear.max_input_speed.map(|s| Bound { value: s / ratio, owner: "gear" });
+    least([motor, gear])
+}
+
+/// Speed at the output \[rad/s\] at which the voltage leaves no torque: of the motor's back-EMF, or what a module's row says.
+fn no_load_speed(candidate: &Candidate, ratio: f64) -> Option<f64> {
+    let inside = inside(candidate);
+    let voltage = candidate.voltage() / candidate.motor.emf_constant() / ratio;
+    let by_voltage = inside.is_none_or(|inside| inside.says_power()).then_some(voltage);
+    let of_row = inside.and_then(|inside| inside.module.no_load_speed_at(candidate.robot.bus.voltage));
+    by_voltage.into_iter().chain(of_row).filter(|speed| speed.is_finite()).reduce(f64::min)
+}
+
+fn winding(candidate: &Candidate) -> Winding {
+    let motor = candidate.motor;
+    let (hottest, _) = hottest(motor, candidate.joint);
+    Winding {
+        resistance: motor.resistance,
+        reference: motor.reference_temperature,
+        hottest,
+        time_constant: motor.inductance.map(|inductance| inductance / motor.resistance),
+    }
+}
+
+fn heat(candidate: &Candidate) -> Option<Heat> {
+    let resistance = candidate.thermal_resistance()?;
+    let time_constant = candidate.two_node().map(|nodes| nodes.time_constant_housing);
+    Some(Heat { resistance, time_constant, ambient: candidate.robot.ambient })
 }
 
 /// Speed at the output up to which a torque \[N·m\] at the motor can be had \[rad/s\]: of the curve of a module's row and of the voltage;
