@@ -15,7 +15,7 @@ use crate::design::simulated::{Fact, LeftOut, SimulatedJoint};
 use crate::design::{Evaluation, Mount, Unusable, load_through};
 use crate::input::Source;
 use crate::output;
-use crate::report::export::{Exported, FORMATS, NamedFile, Origin, Wish, Wishes, patch};
+use crate::report::export::{Cell, Exported, FORMATS, NamedFile, Origin, Wish, Wishes, patch};
 use crate::report::html;
 use crate::report::unjudged::sentence;
 use crate::requirement::{DesignFile, Joint, Robot};
@@ -346,6 +346,15 @@ fn finish(
             crate::words::number(joint.simulated.ratio),
             sentence(&joint.unjudged)
         );
+    }
+    for e in joints.iter().filter(|e| e.simulated.is_before_the_joint) {
+        let takes = page_of.is_some_and(|f| matches!((f.says)(Fact::Transmission), Cell::Approximately(_)));
+        if !takes || e.simulated.over_angle.is_empty() {
+            tell!(
+                "warning: joint `{}`: its transmission has no one ratio: the numbers are those of the actuator before it",
+                e.joint
+            );
+        }
     }
     if arguments.spread().is_some() {
         for e in joints.iter().filter(|e| e.spread.as_ref().is_none_or(|spread| spread.ranges.is_empty())) {

@@ -6,7 +6,7 @@ use crate::report::export::{Cell, FORMATS, Format};
 
 pub fn text() -> String {
     let mut out = String::from(MADE);
-    out.push_str("# What a simulator can be told of an actuator\n\n");
+    out.push_str("# What each simulator says of an actuator\n\n");
     out.push_str(
         "With this page you can see what `gearwise export --to FORMAT` says in each format, what only nearly, and what not at all; the same \
          is in the comments of what it writes. How to use it is in [Send a design to a simulator](simulators.md).\n\n\

@@ -15,6 +15,7 @@ use crate::actuator::limits::{Candidate, hottest};
 use crate::catalog::module::{BUILT_IN, Inside};
 use crate::effects::{EFFECTS, Effect, SimulatorField};
 use crate::requirement::FamilyPlace;
+use crate::transmission::{Passed, Via};
 
 /// A largest value and whose limit it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -117,6 +118,11 @@ pub struct SimulatedJoint {
     pub torque_constant: Option<f64>,
     /// Gear efficiencies when the motor drives, η, and when the load drives, η_b; `None` for a module whose row does not say them.
     pub efficiencies: Option<(f64, f64)>,
+    /// Whether the largest torque is a module's rating at its flange, with its gear's loss in it.
+    pub is_behind_loss: bool,
+    /// Of a transmission whose ratio goes with the angle, over the angles of the motion: angle of the joint \[rad\], turns of the motor
+    /// for one of the joint there, and the largest torque at the joint there \[N·m\], before the gear's loss. Empty for others.
+    pub over_angle: Vec<[f64; 3]>,
     /// Whether the numbers are those of the actuator before a transmission, because at the joint they go with the angle.
     pub is_before_the_joint: bool,
     /// What has no place at a simulator's joint.
@@ -158,9 +164,12 @@ impl SimulatedJoint {
             efficiencies: inside(candidate)
                 .is_none_or(|inside| inside.gear_loss.is_some())
                 .then_some((candidate.gear.efficiency, candidate.gear.backdrive_efficiency)),
+            is_behind_loss: false,
+            over_angle: Vec::new(),
             is_before_the_joint: false,
             left_out: Vec::new(),
         };
+        joint.is_behind_loss = joint.motor_torque.is_some_and(|torque| torque.owner == MODULE);
         joint.speed_at_motor_torque =
             joint.motor_torque.and_then(|torque| speed_at_torque(candidate, torque.value, ratio));
         for effect in EFFECTS {
@@ -207,6 +216,7 @@ impl SimulatedJoint {
         let number = crate::words::number;
         let Some(signed) = passed.constant() else {
             self.is_before_the_joint = true;
+            self.over_angle = self.along(passed);
             let range = match passed.ratio() {
                 Some(range) => {
                     format!("torque at the joint is r times, speed 1/r times, armature r² times, with r = {} to {} over the motion", number(range.least.0), number(range.most.0))
@@ -252,6 +262,20 @@ impl SimulatedJoint {
             let what = format!("efficiency {} of the transmission", number(passed.numbers.efficiency));
             self.leave_out(Fact::GearLoss, what, "a joint has no loss in proportion to the load");
         }
+    }
+
+    /// Ratio and largest torque over the angles of the motion; nothing of two joints on two actuators.
+    fn along(&self, passed: &Passed) -> Vec<[f64; 3]> {
+        let (Via::One(way), Some(effort)) = (&passed.via, self.effort()) else { return Vec::new() };
+        let Some(position) = &passed.motion().position else { return Vec::new() };
+        let ends = position.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), q| (a.min(*q), b.max(*q)));
+        let angles = (0..=ANGLES).map(|k| ends.0 + (ends.1 - ends.0) * k as f64 / ANGLES as f64);
+        let most = passed.numbers.peak_torque.unwrap_or(f64::INFINITY);
+        let at = |q: f64| {
+            let r = way.at(q).ok()?.ratio.abs();
+            Some([q, self.ratio * r, (effort.value * r).min(most)])
+        };
+        if ends.1 > ends.0 { angles.filter_map(at).collect() } else { Vec::new() }
     }
 
     /// The lines of torque over speed, through the corner at which the voltage leaves the largest torque: at the joint, or before
@@ -349,7 +373,7 @@ impl SimulatedJoint {
         if let Some((efficiency, backwards)) = self.efficiencies.filter(|both| *both != (1.0, 1.0)) {
             let what = format!("gear efficiency {}, backwards {}", number(efficiency), number(backwards));
             // What a module's row rates has the gear's loss in it.
-            let before = self.effort().filter(|effort| effort.owner != "module");
+            let before = self.effort().filter(|_| !self.is_behind_loss);
             let loss = before.map_or_else(String::new, |effort| {
                 format!(
                     ": of {} N*m at most {} N*m reach a load that the motor drives",
@@ -438,6 +462,10 @@ impl SimulatedJoint {
             ),
             None => self.leave_out(None, "electrical time constant", "the motor's inductance is not known"),
         }
+        if candidate.weakening().is_some() {
+            let why = "the line of torque over speed ends where the voltage without it ends: a drive that weakens the field goes on beyond";
+            self.leave_out(None, "field weakening", why);
+        }
         if self.motor_torque.is_none() {
             self.leave_out(None, "largest torque", "neither motor nor drive nor gear says one");
         }
@@ -465,10 +493,16 @@ fn inside<'c>(candidate: &Candidate<'c>) -> Option<&'c Inside> {
     candidate.motor.inside.as_deref()
 }
 
+/// Owner of a bound that a module's row rates at its flange.
+const MODULE: &str = "module";
+
 /// What a module's row lets it give, as the motor's: its ratings are those of the flange, with its losses in them.
 fn of_module(candidate: &Candidate, ratio: f64, rating: impl Fn(&Inside) -> Option<f64>) -> Option<Bound> {
-    Some(Bound { value: rating(inside(candidate)?)? / ratio, owner: "module" })
+    Some(Bound { value: rating(inside(candidate)?)? / ratio, owner: MODULE })
 }
+
+/// Intervals of a table over the angle.
+const ANGLES: usize = 32;
 
 fn least(bounds: impl IntoIterator<Item = Option<Bound>>) -> Option<Bound> {
     // A number that nobody knows is no bound.
@@ -480,9 +514,10 @@ fn least(bounds: impl IntoIterator<Item = Option<Bound>>) -> Option<Bound> {
 fn peak_torque(candidate: &Candidate, ratio: f64) -> Option<Bound> {
     // At standstill the voltage drives no more than V/R.
     let actuator = &candidate.actuator;
+    let module = of_module(candidate, ratio, |inside| inside.module.largest_torque());
     let stall = actuator.shortfall.left_of_current(candidate.voltage() / candidate.motor.resistance, 1.0);
     let voltage = Bound { value: actuator.torque_constant * stall, owner: "voltage at standstill" };
-    least([braking_torque(candidate, ratio), Some(voltage)])
+    least([module, braking_torque(candidate, ratio), Some(voltage)])
 }
 
 /// The same whatever the voltage.
@@ -495,7 +530,9 @@ fn braking_torque(candidate: &Candidate, ratio: f64) -> Option<Bound> {
     });
     let torque = candidate.motor.peak_torque.map(|t| Bound { value: shortfall.left_of_torque(t, 1.0), owner: "motor" });
     let gear = candidate.gear.peak_torque.map(|t| Bound { value: t / ratio, owner: "gear" });
-    let module = of_module(candidate, ratio, |inside| inside.module.largest_torque());
+    // While the load drives, a module has what its braking curve says, where it has one.
+    let braking = |inside: &Inside| inside.module.braking_curve.iter().map(|point| point[1]).reduce(f64::max);
+    let module = of_module(candidate, ratio, |inside| braking(inside).or_else(|| inside.module.largest_torque()));
     least([module, current, torque, gear])
 }
 

@@ -4,7 +4,7 @@
 //! `damping` are gains of the controller: viscous friction is `viscous_friction`.
 
 use super::python::{Call, expressions, module};
-use super::{Cell, Exported, Format, Origin, Wish, Wishes, comment_lines, line_remarks};
+use super::{Cell, Exported, Format, Origin, Wish, Wishes, comment_lines, digits, line_remarks};
 use crate::design::simulated::Fact;
 
 /// Isaac Lab 2.
@@ -92,7 +92,9 @@ fn says_both(fact: Fact) -> Cell {
         }
         Fact::Cogging | Fact::OtherEffects => Cell::Not("an actuator has no such term"),
         Fact::ElectricalTime => Cell::Not("the torque follows its command at once; `DelayedPDActuatorCfg` has a delay"),
-        Fact::Transmission => Cell::Not("an asset needs the links themselves"),
+        Fact::Transmission => Cell::Approximately(
+            "RemotizedPDActuatorCfg: torque over the angle, not over speed; inertia and friction go with the angle and are left out",
+        ),
         Fact::Spring => Cell::Not("it belongs to the joint of the asset"),
         Fact::Ranges => {
             Cell::Approximately("armature and friction for `randomize_joint_parameters`, others in the comment")
@@ -108,7 +110,16 @@ fn text(version: &Version, origin: &Origin, joints: &[Exported], wishes: &Wishes
         lines
     };
     let comments = comment_lines(origin, joints, version.says, remarks);
-    module((&comments, "from isaaclab.actuators import DCMotorCfg"), origin, joints, |e| {
+    let is_table = |e: &Exported| !e.simulated.over_angle.is_empty();
+    let imports = match (joints.iter().any(is_table), joints.iter().all(is_table)) {
+        (false, _) => "from isaaclab.actuators import DCMotorCfg",
+        (true, true) => "from isaaclab.actuators import RemotizedPDActuatorCfg",
+        (true, false) => "from isaaclab.actuators import DCMotorCfg, RemotizedPDActuatorCfg",
+    };
+    module((&comments, imports), origin, joints, |e| {
+        if is_table(e) {
+            return Ok(over_angle(e, wishes));
+        }
         let s = &e.simulated;
         let line = wishes.line(e, "saturation_effort")?;
         let mut call = Call::new(
@@ -131,4 +142,16 @@ fn text(version: &Version, origin: &Origin, joints: &[Exported], wishes: &Wishes
         call.range("friction_distribution_params", e, "friction_loss");
         Ok(call)
     })
+}
+
+/// An actuator whose ratio goes with the joint's angle: torque over the angle, and nothing over speed.
+fn over_angle(e: &Exported, wishes: &Wishes) -> Call {
+    let mut call = Call::new("RemotizedPDActuatorCfg", "");
+    call.with("joint_names_expr", format!("[{}]", expressions(e, wishes).join(", ")), "");
+    let rows = e.simulated.over_angle.iter().map(|row| format!("[{}]", row.map(digits).join(", ")));
+    let rows = rows.collect::<Vec<_>>().join(",\n            ");
+    call.with("joint_parameter_lookup", format!("[\n            {rows},\n        ]"), "rad, N r, N*m");
+    call.with("stiffness", "stiffness", "");
+    call.with("damping", "damping", "a gain, not friction");
+    call
 }

@@ -165,6 +165,8 @@ impl Wishes {
     fn efficiency(&self, e: &Exported) -> Result<f64, String> {
         match (self.with_efficiency, e.simulated.efficiencies) {
             (false, _) => Ok(1.0),
+            // What a module's row rates has its loss in it.
+            (true, _) if e.simulated.is_behind_loss => Ok(1.0),
             (true, Some((efficiency, _))) => Ok(efficiency),
             (true, None) => Err(format!(
                 "joint `{}`: `--with-efficiency`: the row of {} does not say what its gear loses",
@@ -231,7 +233,8 @@ fn json_says(fact: Fact) -> Cell {
         Fact::Compliance => Cell::Said("gear_stiffness_nm_per_rad"),
         Fact::Backlash => Cell::Said("backlash_rad"),
         Fact::Cogging => Cell::Said("cogging"),
-        Fact::OtherEffects | Fact::Transmission | Fact::Spring => Cell::Approximately("in words, in left_out"),
+        Fact::Transmission => Cell::Approximately("over_angle_rad_ratio_nm; of two joints in words, in left_out"),
+        Fact::OtherEffects | Fact::Spring => Cell::Approximately("in words, in left_out"),
         Fact::ElectricalTime => Cell::Said("electrical_time_constant_s"),
         Fact::Heating => Cell::Said("heat"),
         Fact::Ranges => Cell::Said("ranges, draws"),
@@ -306,10 +309,11 @@ fn line_remarks(e: &Exported, wishes: &Wishes) -> Vec<String> {
     let hot = s.winding.map_or_else(String::new, |w| format!(", winding at {} °C", number(w.hottest - 273.15)));
     let owner = s.motor_torque.map_or("", |b| b.owner);
     let mut lines = vec![format!(
-        "torque over speed: {} N*m (by the {owner}) up to {} rad/s, none at {} rad/s{hot}; before the gear's loss",
+        "torque over speed: {} N*m (by the {owner}) up to {} rad/s, none at {} rad/s{hot}; {} the gear's loss",
         number(line.effort),
         number(line.corner),
-        number(line.no_load)
+        number(line.no_load),
+        if s.is_behind_loss { "behind" } else { "before" }
     )];
     if line.is_assumed {
         lines.push(
@@ -334,7 +338,7 @@ fn line_remarks(e: &Exported, wishes: &Wishes) -> Vec<String> {
             number(torque)
         ));
     }
-    if let Some((efficiency, _)) = s.efficiencies.filter(|both| *both != (1.0, 1.0)) {
+    if let Some((efficiency, _)) = s.efficiencies.filter(|both| *both != (1.0, 1.0) && !s.is_behind_loss) {
         let behind = number(line.effort * efficiency);
         lines.push(match wishes.with_efficiency {
             true => format!("torques are written behind the gear's loss, {behind} N*m: right while the motor drives, too little while the load drives"),

@@ -41,7 +41,9 @@ fn says(fact: Fact) -> Cell {
         Fact::ElectricalTime => {
             Cell::Not("the torque follows its command at once; `NewtonActuatorDelayAPI` has whole steps")
         }
-        Fact::Transmission => Cell::Not("a stage needs the links themselves"),
+        Fact::Transmission => Cell::Approximately(
+            "newton:lookupPositions, newton:lookupEfforts: torque over the angle, not over speed; inertia and friction go with the angle and are left out",
+        ),
         Fact::Spring => Cell::Not("it belongs to the joint of the stage"),
         Fact::Ranges => Cell::Approximately("in the comment"),
     }
@@ -58,6 +60,16 @@ fn text(origin: &Origin, joints: &[Exported], wishes: &Wishes) -> Result<String,
     let comments = comment_lines(origin, joints, says, remarks);
     layer(&comments, origin, joints, wishes, |e| {
         let s = &e.simulated;
+        if !s.over_angle.is_empty() {
+            let list =
+                |column: usize| s.over_angle.iter().map(|row| digits(row[column])).collect::<Vec<_>>().join(", ");
+            let lines = vec![
+                format!("float[] newton:lookupPositions = [{}]", list(0)),
+                format!("float[] newton:lookupEfforts = [{}]", list(2)),
+            ];
+            let schemas = vec!["NewtonPDControlAPI", "NewtonPositionBasedClampingAPI"];
+            return Ok(Joint { actuator: Some(("NewtonActuator", schemas, lines)), ..Joint::default() });
+        }
         let line = wishes.line(e, "newton:saturationEffort")?;
         let float = |key: &str, value: f64| format!("float newton:{key} = {}", digits(value));
         let mut lines = Vec::new();

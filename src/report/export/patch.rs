@@ -308,7 +308,7 @@ fn add_gear_joint(
             attributes.push(("stiffness", digits(stiffness)));
             attributes.push(("limited", "false".into()));
             if backlash.is_some() {
-                remarks.push(format!("joint `{new}` has the gear's elasticity; its play has no place beside it"));
+                remarks.push(format!("joint `{new}` has the gear's elasticity; its play has no place next to it"));
             }
         }
         (None, Some(play)) => {

@@ -51,7 +51,12 @@ fn text(origin: &Origin, joints: &[Exported], wishes: &Wishes) -> Result<String,
     module((&comments, import), origin, joints, |e| {
         let s = &e.simulated;
         let line = wishes.line(e, "X1")?;
-        let (efficiency, backwards) = s.efficiencies.unwrap_or((1.0, 1.0));
+        // What a module's row rates has its loss in it, in either direction where the row has both.
+        let (efficiency, braking) = match s.efficiencies {
+            _ if s.is_behind_loss => (1.0, s.braking_effort().map_or(1.0, |b| b.value / line.effort).max(1.0)),
+            Some((efficiency, backwards)) => (efficiency, 1.0 / backwards),
+            None => (1.0, 1.0),
+        };
         let mut call = Call::new(
             "UnitreeActuatorCfg",
             "parameters of `randomize_joint_parameters`, with operation \"abs\" and distribution \"uniform\"",
@@ -61,8 +66,8 @@ fn text(origin: &Origin, joints: &[Exported], wishes: &Wishes) -> Result<String,
         call.number("X2", line.no_load, "rad/s, where the voltage leaves no torque");
         call.number("Y1", line.effort * efficiency, "N*m, driving, behind the gear's loss");
         // A gear that does not turn backwards holds whatever comes: then there is no number.
-        if backwards > 0.0 {
-            call.number("Y2", line.effort / backwards, "N*m, braking: the gear's loss helps");
+        if braking.is_finite() && braking > 0.0 {
+            call.number("Y2", line.effort * braking, "N*m, braking: the gear's loss helps");
         }
         call.optional("Fs", s.friction_loss, "N*m");
         call.optional("Fd", s.damping, "N*m*s/rad");

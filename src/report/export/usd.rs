@@ -26,7 +26,10 @@ impl Prim {
         out.push_str(&format!("{indent}{} \"{}\"", self.head, self.name));
         if !self.schemas.is_empty() {
             let schemas: Vec<String> = self.schemas.iter().map(|s| format!("\"{s}\"")).collect();
-            out.push_str(&format!(" (\n{indent}    prepend apiSchemas = [{}]\n{indent})", schemas.join(", ")));
+            out.push_str(" (\n");
+            let inner = "    ".repeat(depth + 1);
+            out.push_str(&format!("{inner}prepend apiSchemas = [{}]\n", schemas.join(", ")));
+            out.push_str(&format!("{indent})"));
         }
         out.push_str(&format!("\n{indent}{{\n"));
         self.lines.iter().for_each(|line| out.push_str(&format!("{indent}    {line}\n")));
@@ -95,6 +98,9 @@ pub fn layer(
                 actuator.head = format!("def {kind}");
                 actuator.schemas = schemas.into_iter().map(Into::into).collect();
                 actuator.lines = std::iter::once(format!("rel newton:targets = <{at}>")).chain(lines).collect();
+            }
+            if joint.lines.is_empty() {
+                continue;
             }
             let own = prim.child(last);
             own.schemas = joint.schemas.into_iter().map(Into::into).collect();

@@ -87,6 +87,11 @@ pub struct OfJoint<'a> {
     pub gear_efficiency: Option<f64>,
     /// Efficiency of the gear while it is driven; likewise.
     pub gear_backdrive_efficiency: Option<f64>,
+    /// Whether the largest torque is a module's rating at its flange, with its gear's loss in it.
+    pub effort_is_behind_loss: bool,
+    /// Of a transmission whose ratio goes with the angle: joint angle in rad, turns of the motor for one of the joint, largest torque
+    /// at the joint in N·m; empty for others.
+    pub over_angle_rad_ratio_nm: &'a [[f64; 3]],
     /// What friction has more at rest than while it moves, at the joint; `null` where it is not known.
     pub friction_at_rest_nm: Option<f64>,
     /// Largest torque at the joint whatever the voltage: while the load drives, the back-EMF helps.
@@ -277,6 +282,8 @@ impl<'a> OfJoint<'a> {
             velocity_at_effort_rad_per_s: s.speed_at_motor_torque,
             gear_efficiency: s.efficiencies.map(|(efficiency, _)| efficiency),
             gear_backdrive_efficiency: s.efficiencies.map(|(_, backwards)| backwards),
+            effort_is_behind_loss: s.is_behind_loss,
+            over_angle_rad_ratio_nm: &s.over_angle,
             friction_at_rest_nm: s.friction_at_rest,
             braking_effort_nm,
             braking_effort_by,

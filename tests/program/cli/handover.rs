@@ -512,3 +512,79 @@ fn the_page_of_an_export_lists_what_is_said_and_what_is_not() {
     }
     assert!(!page.contains("says everything that is known"));
 }
+
+/// A ratio that goes with the angle: torque over the angle where a format has it, and elsewhere a warning that the numbers are those
+/// before the transmission.
+#[test]
+fn a_ratio_over_the_angle_is_a_table_or_a_warning() {
+    let folder = tempfile::tempdir().unwrap();
+    // r = 1 + q over 0 to 1 rad.
+    let rows: String = (0..=20).map(|k| f64::from(k) / 20.0).map(|q| format!("{q},{}\n", 1.0 + q)).collect();
+    write(folder.path(), "knee.csv", &format!("position [rad],ratio\n{rows}"));
+    let swing: String = (0..=40)
+        .map(|k| f64::from(k) / 40.0)
+        .map(|t| {
+            let (sine, cosine) = (std::f64::consts::TAU * t).sin_cos();
+            format!("{t},0.5,{},{}\n", 0.4 * std::f64::consts::TAU * cosine, 0.5 + 0.4 * sine)
+        })
+        .collect();
+    write(folder.path(), "swing.csv", &format!("time [s],torque [N*m],velocity [rad/s],position [rad]\n{swing}"));
+    let fitted = write(folder.path(), "f.toml", FITTED);
+    let robot = "name = \"x\"\nbus = { voltage = \"48 V\" }\n[[joint]]\nname = \"knee\"\nmotor_drag = \"off\"\n\
+                 ratio = { min = 3, max = 30 }\nmotion = \"swing.csv\"\nperiodic = true\ntransmission = { table = \"knee.csv\" }\n";
+    let robot = write(folder.path(), "robot.toml", robot);
+    let base = ["export", "f@10", &robot, "--catalog", &fitted].map(String::from);
+    let facts = json(&base, &[]);
+    let table = facts["over_angle_rad_ratio_nm"].as_array().unwrap();
+    assert_eq!(table.len(), 33);
+    for row in table {
+        let [q, ratio, torque] = [0, 1, 2].map(|k| row[k].as_f64().unwrap());
+        assert!((0.1 - 1e-3..=0.9 + 1e-3).contains(&q), "{q}");
+        assert_relative_eq!(ratio, 10.0 * (1.0 + q), max_relative = 1e-6);
+        // 2 N*m at the motor.
+        assert_relative_eq!(torque, 20.0 * (1.0 + q), max_relative = 1e-6);
+    }
+    let warning = "its transmission has no one ratio";
+    for (to, key) in [
+        ("isaaclab2", "RemotizedPDActuatorCfg("),
+        ("isaaclab3", "RemotizedPDActuatorCfg("),
+        ("newton", "newton:lookupEfforts"),
+    ] {
+        let output = run(&base, &["--to", to]);
+        assert!(stdout(&output).contains(key) && !stderr(&output).contains(warning), "{to}: {}", stderr(&output));
+        assert!(!stdout(&output).contains("saturation"), "{to}");
+    }
+    for to in ["mjcf", "dcmotor", "mjlab", "unitree", "physx", "urdf", "sdf", "ros2_control"] {
+        let output = run(&base, &["--to", to]);
+        assert!(stderr(&output).contains(warning), "{to}: {}", stderr(&output));
+        assert!(stdout(&output).contains("the numbers written are those of the actuator before it"), "{to}");
+    }
+}
+
+/// What a module's row rates has its gear's loss in it: it is not taken off again.
+#[test]
+fn a_module_s_rating_has_its_loss_in_it() {
+    let folder = tempfile::tempdir().unwrap();
+    // Unitree's own numbers of this motor: X1 13.5, X2 30, Y1 20.2, Y2 23.4.
+    let id = "unitree-go2hv";
+    let robot = "name = \"x\"\nbus = { voltage = \"48 V\" }\n[[joint]]\nname = \"j\"\nmodules = [\"*\"]\n\
+                 points = [ { torque = \"0.1 N*m\", speed = \"1 rad/s\", duration = \"1 s\" } ]\n";
+    let robot = write(folder.path(), "robot.toml", robot);
+    let base = ["export", id, &robot].map(String::from);
+    let of = |to: &str, more: &[&str]| stdout(&run(&base, &[&["--to", to], more].concat()));
+    let facts: Value = serde_json::from_str(&of("json", &[])).unwrap();
+    let joint = &facts["joints"][0];
+    assert_eq!(joint["effort_is_behind_loss"], true, "{id}");
+    let (effort, braking) = (joint["effort_nm"].as_f64().unwrap(), joint["braking_effort_nm"].as_f64().unwrap());
+    let unitree = of("unitree", &[]);
+    for (key, expected) in [(" X1=", 13.5), (" X2=", 30.0), (" Y1=", 20.2), (" Y2=", 23.4)] {
+        // The row has the speed without load in rpm with five digits.
+        assert_relative_eq!(number(&unitree, key), expected, max_relative = 1e-5);
+    }
+    assert_relative_eq!(effort, 20.2, max_relative = 1e-9);
+    assert_relative_eq!(braking, 23.4, max_relative = 1e-9);
+    // Behind the loss already: the option changes nothing.
+    let effort_of = |text: &str| number(text, " effort_limit=");
+    assert_eq!(effort_of(&of("mjlab", &[])), effort_of(&of("mjlab", &["--with-efficiency"])));
+    assert!(of("mjlab", &[]).contains("behind the gear's loss"), "{id}");
+}

@@ -23,6 +23,17 @@ fn the_committed_pages_are_what_the_program_makes() {
     }
 }
 
+/// The table of formats on the page that people read is that of the page that is made.
+#[test]
+fn the_table_of_simulator_formats_is_that_of_the_program() {
+    let page = |name: &str| std::fs::read_to_string(repository("docs").join(name)).unwrap();
+    let (made, read) = (page("simulator-formats.md"), page("simulators.md"));
+    let table = &made[made.find("|  | mjcf").unwrap()..made.find("\nEvery line of torque").unwrap()];
+    let shown = read.split("<!-- formats -->\n").nth(1).and_then(|rest| rest.split("<!-- end of formats -->").next());
+    assert_eq!(shown, Some(table));
+    assert_eq!(table.lines().count(), 21);
+}
+
 /// Every link of README, docs/ and the pages beside README leads to a file, and to a heading where it names one.
 #[test]
 fn links_between_pages_lead_somewhere() {
