@@ -145,15 +145,7 @@ impl<'a> Reader<'a, '_> {
         };
         let Some(name) = node.attribute_node("name").filter(|n| !n.value().is_empty()) else { return };
         self.sheet.unique(node, "joints", name.value(), &mut self.names);
-        let mut joint = Joint {
-            name: name.value().into(),
-            span: name.range_value(),
-            turns,
-            is_passive: true,
-            parent,
-            stated: Vec::new(),
-            blank: Vec::new(),
-        };
+        let mut joint = Joint { is_passive: true, parent, ..Joint::blank(name.value(), name.range_value(), turns) };
         for (name, quantity) in
             [("armature", Quantity::Armature), ("frictionloss", Quantity::Friction), ("damping", Quantity::Damping)]
         {

@@ -139,6 +139,12 @@ pub struct Joint {
 }
 
 impl Joint {
+    /// A joint of which nothing is stated yet.
+    fn blank(name: &str, span: Span<usize>, turns: bool) -> Joint {
+        let (stated, blank) = (Vec::new(), Vec::new());
+        Joint { name: name.into(), span, turns, is_passive: false, parent: None, stated, blank }
+    }
+
     /// What counts of a quantity: the least effort, else the only value.
     pub fn get(&self, quantity: Quantity) -> Option<&Stated> {
         self.stated.iter().filter(|s| s.quantity == quantity).min_by(|a, b| a.value.total_cmp(&b.value))

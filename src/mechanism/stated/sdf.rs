@@ -35,15 +35,10 @@ pub(super) fn read(sheet: &Sheet, root: El) -> Model {
             let Some(name) = sheet.required(node, "name") else { continue };
             sheet.unique(node, "joints", name, &mut names);
             let parent = child(node, "parent").and_then(|p| links.get(p.text()?.trim()).copied());
-            let mut joint = Joint {
-                name: name.into(),
-                span: node.attribute_node("name").map_or_else(|| span(node), |a| a.range_value()),
-                turns,
-                is_passive: child(node, "axis").and_then(|axis| child(axis, "mimic")).is_some(),
-                parent,
-                stated: Vec::new(),
-                blank: Vec::new(),
-            };
+            let at = node.attribute_node("name").map_or_else(|| span(node), |a| a.range_value());
+            let mut joint = Joint::blank(name, at, turns);
+            joint.is_passive = child(node, "axis").and_then(|axis| child(axis, "mimic")).is_some();
+            joint.parent = parent;
             if let Some(axis) = child(node, "axis") {
                 for (section, key, quantity) in [
                     ("limit", "effort", Quantity::Effort),

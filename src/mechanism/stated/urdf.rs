@@ -28,15 +28,10 @@ pub(super) fn read(sheet: &Sheet, root: El) -> Model {
         sheet.unique(node, "joints", name, &mut names);
         let child = |tag: &str| children(node).find(|c| c.has_tag_name(tag));
         let parent = child("parent").and_then(|p| links.get(p.attribute("link")?).copied());
-        let mut joint = Joint {
-            name: name.into(),
-            span: node.attribute_node("name").map_or_else(|| span(node), |a| a.range_value()),
-            turns,
-            is_passive: child("mimic").is_some(),
-            parent,
-            stated: Vec::new(),
-            blank: Vec::new(),
-        };
+        let at = node.attribute_node("name").map_or_else(|| span(node), |a| a.range_value());
+        let mut joint = Joint::blank(name, at, turns);
+        joint.is_passive = child("mimic").is_some();
+        joint.parent = parent;
         for (tag, attributes) in [
             ("limit", [("effort", Quantity::Effort), ("velocity", Quantity::Velocity)]),
             ("dynamics", [("friction", Quantity::Friction), ("damping", Quantity::Damping)]),

@@ -320,23 +320,12 @@ fn line_remarks(e: &Exported, wishes: &Wishes) -> Vec<String> {
             "ASSUMED: up to which speed it has its largest torque is not known; the line falls from standstill on, and a motor whose current is limited has no less".into(),
         );
     }
-    // Less than a thousandth is not worth a line.
-    let counts = |torque: f64| torque > 1e-3 * line.effort;
-    if counts(line.excess.1) {
-        let (speed, torque) = line.excess;
-        lines.push(format!(
-            "the line is straight: at {} rad/s it has {} N*m more than the motor",
-            number(speed),
-            number(torque)
-        ));
-    }
-    if counts(line.shortfall.1) {
-        let (speed, torque) = line.shortfall;
-        lines.push(format!(
-            "the line is straight: at {} rad/s it has {} N*m less than the motor",
-            number(speed),
-            number(torque)
-        ));
+    for ((speed, torque), than) in [(line.excess, "more"), (line.shortfall, "less")] {
+        // Less than a thousandth is not worth a line.
+        if torque > 1e-3 * line.effort {
+            let (speed, torque) = (number(speed), number(torque));
+            lines.push(format!("the line is straight: at {speed} rad/s it has {torque} N*m {than} than the motor"));
+        }
     }
     if let Some((efficiency, _)) = s.efficiencies.filter(|both| *both != (1.0, 1.0) && !s.is_behind_loss) {
         let behind = number(line.effort * efficiency);
