@@ -1,4 +1,5 @@
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser};
@@ -14,7 +15,9 @@ use crate::design::simulated::spread::Spread;
 use crate::design::simulated::{Fact, LeftOut, SimulatedJoint};
 use crate::design::{Evaluation, Mount, Unusable, load_through};
 use crate::input::Source;
+use crate::mechanism::stated::{Model, Quantity};
 use crate::output;
+use crate::report::export::patch::Patched;
 use crate::report::export::{Cell, Exported, FORMATS, NamedFile, Origin, Wish, Wishes, patch};
 use crate::report::html;
 use crate::report::unjudged::sentence;
@@ -30,9 +33,9 @@ pub struct Arguments {
     design: String,
     /// Requirement file (TOML), where no design file names it; `-` is standard input
     requirement: Option<PathBuf>,
-    /// Joint: by default all of a design file; may be left out where the requirement has only one
+    /// Joint, several times for several: by default all of a design file; may be left out where the requirement has only one
     #[arg(long, value_name = "NAME")]
-    joint: Option<String>,
+    joint: Vec<String>,
     /// Format: MuJoCo, URDF, or all facts in SI
     #[arg(long, value_name = "FORMAT", required_unless_present = "into", value_parser = PossibleValuesParser::new(FORMATS.iter().map(|f| PossibleValue::new(f.name).help(f.about))))]
     to: Option<String>,
@@ -143,15 +146,19 @@ fn one_motor(arguments: &Arguments, path: &Path, call: &Call) -> Result<Done, Fa
     );
     let robot = super::settled(robot, &catalog)?;
     let robot = super::balanced(&robot, &catalog, false)?;
-    let joint = super::chosen::joint(&robot, arguments.joint.as_deref())?;
+    if let [_, another, ..] = &arguments.joint[..] {
+        return Err(Failure::Argument(format!(
+            "`--joint {another}`: one motor is exported at one joint; a design file has several"
+        )));
+    }
+    let joint = super::chosen::joint(&robot, arguments.joint.first().map(String::as_str))?;
     let Chosen { motor, gear, ratio } = super::chosen::design(&arguments.design, joint, &catalog)?;
     let story = explain(&robot, joint, motor, gear, ratio).map_err(|why| cannot(motor, &why))?;
     let spring = match story.spring {
         Some(Ok(spring)) => Some((spring.stiffness, spring.rest_angle.unwrap_or(0.0))),
         _ => None,
     };
-    let joints =
-        [exported(&robot, joint, motor, gear, &story.evaluation, &story.unchecked, (spring, arguments.spread()))?];
+    let joints = [exported(&robot, joint, motor, gear, &story.evaluation, &story.unchecked, (spring, arguments))?];
     finish(arguments, call, (&robot, &catalog), &origin(&robot, &source, None), &joints)
 }
 
@@ -177,13 +184,11 @@ fn design_file(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     );
     design.robot = crate::design::families::settle(design.robot, &catalog).map_err(Failure::Argument)?;
     let choices = design.choices(&catalog).map_err(|e| vec![e])?;
-    let only = match &arguments.joint {
-        Some(name) => Some(super::chosen::joint(&design.robot, Some(name))?),
-        None => None,
-    };
+    let only = arguments.joint.iter().map(|name| super::chosen::joint(&design.robot, Some(name)));
+    let only = only.collect::<Result<Vec<_>, _>>()?;
     let mut joints = Vec::new();
     for (choice, examined) in choices.iter().zip(examine(&design.robot, &choices)) {
-        if only.is_some_and(|only| only.name != choice.joint.name) {
+        if !only.is_empty() && only.iter().all(|only| only.name != choice.joint.name) {
             continue;
         }
         let examined = examined.map_err(|why| cannot(choice.motor, &why))?;
@@ -195,7 +200,7 @@ fn design_file(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
             choice.gear,
             &examined.evaluation,
             &examined.unchecked,
-            (spring, arguments.spread()),
+            (spring, arguments),
         )?);
     }
     let origin = origin(&design.robot, &design.requirement, Some(&design.source));
@@ -203,7 +208,16 @@ fn design_file(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
 }
 
 fn cannot(motor: &Motor, why: &Unusable) -> Failure {
-    Failure::Argument(format!("{} cannot be exported: {}", motor.id, why.reason()))
+    let help = match (why, &motor.inside) {
+        (Unusable::NotAllowed, Some(inside)) => {
+            format!(
+                "; it is a module: give the [[joint]] `modules = [\"{}\"]` in place of `ratio` and `gear`",
+                inside.module.id
+            )
+        }
+        _ => String::new(),
+    };
+    Failure::Argument(format!("{} cannot be exported: {}{help}", motor.id, why.reason()))
 }
 
 /// The design of one joint, made ready for a simulator.
@@ -214,14 +228,18 @@ fn exported<'a>(
     gear: Option<&'a Gear>,
     evaluation: &Evaluation,
     unchecked: &[(&'static str, &'static str)],
-    (spring, draws): (Option<(f64, f64)>, Option<usize>),
+    (spring, arguments): (Option<(f64, f64)>, &Arguments),
 ) -> Result<Exported<'a>, Failure> {
     // A simulator takes every number for true: torque and speed must be some.
     if let Some(inside) = motor.inside.as_deref() {
         let says_speed = inside.says_power() || inside.module.no_load_speed().is_some();
         let lacks = match (inside.module.largest_torque(), says_speed) {
-            (None, _) if !inside.says_currents() => Some("its row does not say its largest torque"),
-            (_, false) => Some("how fast it turns is not known"),
+            (None, _) if !inside.says_currents() => Some(
+                "its row does not say its largest torque: give it `peak_torque` or a `driving_curve`, in a catalogue of your own",
+            ),
+            (_, false) => Some(
+                "how fast it turns is not known: give its row `no_load_speed` or a `driving_curve`, in a catalogue of your own",
+            ),
             _ => None,
         };
         if let Some(why) = lacks {
@@ -234,9 +252,9 @@ fn exported<'a>(
     let mut simulated = SimulatedJoint::new(&candidate.map_err(|why| cannot(motor, &why))?, ratio);
     let with = |motor: &Motor| {
         let candidate = Mount::new(robot, joint, &load, motor).with_gear(gear).candidate().ok()?;
-        Some(SimulatedJoint::new(&candidate, ratio))
+        Some(SimulatedJoint::new(&candidate, ratio).numbers(arguments.line == "below", arguments.with_efficiency))
     };
-    let spread = draws.and_then(|draws| Spread::new(motor, draws, with));
+    let spread = arguments.spread().and_then(|draws| Spread::new(motor, draws, with));
     if let Some((stiffness, rest_angle)) = spring.filter(|(stiffness, _)| *stiffness > 0.0) {
         let number = crate::words::number;
         simulated.left_out.push(LeftOut {
@@ -310,7 +328,7 @@ fn finish(
             let patched = patch::patch(old.text(), origin, joints, &wishes)
                 .map_err(|why| Failure::Argument(format!("`{shown}`: {why}")))?;
             page_of = FORMATS.iter().find(|f| f.name == patched.format);
-            for remark in &patched.remarks {
+            for remark in patched.remarks.iter().chain(&stays(&patched, joints)) {
                 tell!("warning: {remark}");
             }
             said.extend(patched.written.iter().map(|(joint, names)| format!("{joint}: {}", names.join(", "))));
@@ -331,7 +349,7 @@ fn finish(
             joint.broken.join(", ")
         );
     }
-    for joint in joints.iter().filter(|j| j.simulated.armature.is_none()) {
+    for joint in joints.iter().filter(|j| j.simulated.armature.is_none() && arguments.into.is_none()) {
         tell!(
             "warning: joint `{}`: the own inertia of {} is not known and left out: a simulator takes none for it",
             joint.joint,
@@ -349,7 +367,12 @@ fn finish(
     }
     for e in joints.iter().filter(|e| e.simulated.is_before_the_joint) {
         let takes = page_of.is_some_and(|f| matches!((f.says)(Fact::Transmission), Cell::Approximately(_)));
-        if !takes || e.simulated.over_angle.is_empty() {
+        if takes && !e.simulated.over_angle.is_empty() {
+            tell!(
+                "warning: joint `{}`: its ratio goes with the angle: torque over the angle is written; speed, inertia and friction are left out",
+                e.joint
+            );
+        } else {
             tell!(
                 "warning: joint `{}`: its transmission has no one ratio: the numbers are those of the actuator before it",
                 e.joint
@@ -359,6 +382,17 @@ fn finish(
     if arguments.spread().is_some() {
         for e in joints.iter().filter(|e| e.spread.as_ref().is_none_or(|spread| spread.ranges.is_empty())) {
             tell!("warning: joint `{}`: no number of {} has a ±: no range is written", e.joint, e.motor.id);
+        }
+    }
+    if let Some(wished) = arguments.draws {
+        for (e, spread) in joints.iter().filter_map(|e| Some((e, e.spread.as_ref()?))) {
+            if spread.draws.len() < usize::from(wished) {
+                tell!(
+                    "warning: joint `{}`: {} of {wished} draws: with so wide a ± most of the others are no numbers of a motor",
+                    e.joint,
+                    spread.draws.len()
+                );
+            }
         }
     }
     if let Some(format) = page_of {
@@ -390,6 +424,35 @@ fn finish(
     Ok(Done { text, satisfied })
 }
 
+/// What a patched model says of quantities that are not known: its own numbers stay, and that has to be known.
+fn stays(patched: &Patched, joints: &[Exported]) -> Vec<String> {
+    let Ok(model) = Model::read_source(&Arc::new(Source::new("the model", &patched.text))) else { return Vec::new() };
+    let mut lines = Vec::new();
+    for (e, (_, names)) in joints.iter().zip(&patched.written) {
+        let s = &e.simulated;
+        let unknown = [
+            (Quantity::Armature, s.armature.is_none()),
+            (Quantity::Damping, s.damping.is_none()),
+            (Quantity::Friction, s.friction_loss.is_none()),
+            (Quantity::Effort, s.motor_torque.is_none()),
+        ];
+        for (quantity, _) in unknown.iter().filter(|(_, is_unknown)| *is_unknown) {
+            for joint in model.joints.iter().filter(|joint| names.contains(&joint.name)) {
+                let Some(own) = joint.get(*quantity) else { continue };
+                lines.push(format!(
+                    "joint `{}`: {} of {} is not known; the model's own {} {} stays",
+                    joint.name,
+                    quantity.name(),
+                    e.motor.id,
+                    crate::words::number(own.value),
+                    quantity.unit()
+                ));
+            }
+        }
+    }
+    lines
+}
+
 /// `--map JOINT=PATTERN`, with the joints checked.
 fn names(map: &[String], joints: &[Exported]) -> Result<Vec<(String, String)>, Failure> {
     let one = |text: &String| {
@@ -402,7 +465,7 @@ fn names(map: &[String], joints: &[Exported]) -> Result<Vec<(String, String)>, F
                 || format!("there are: {}", known.collect::<Vec<_>>().join(", ")),
                 |n| format!("did you mean `{n}`?"),
             );
-            return Err(Failure::Argument(format!("`--map {text}`: the design has no joint `{joint}`; {help}")));
+            return Err(Failure::Argument(format!("`--map {text}`: no joint `{joint}` is exported; {help}")));
         }
         Ok((joint.to_string(), pattern.to_string()))
     };

@@ -24,8 +24,8 @@ UNITREE = [*BASE, "effort_limit", "velocity_limit", "effort_limit_sim", "velocit
            "X1", "X2", "Y1", "Y2", "Fs", "Fd", "Va"]
 MJLAB = ["target_names_expr", "transmission_type", "armature", "frictionloss", "viscous_damping", "delay_min_lag", "delay_max_lag",
          "stiffness", "damping", "effort_limit", "saturation_effort", "velocity_limit"]
-RANDOMIZE = {"friction_distribution_params", "armature_distribution_params", "lower_limit_distribution_params",
-             "upper_limit_distribution_params"}
+# `friction_distribution_params` is a key, too, but sets static, dynamic and viscous friction alike: it is not written.
+RANDOMIZE = {"armature_distribution_params", "lower_limit_distribution_params", "upper_limit_distribution_params"}
 DR = {"joint_armature", "joint_damping", "joint_friction", "effort_limits"}
 FORMATS = {
     "isaaclab2": ("isaaclab.actuators", "DCMotorCfg", LAB2, RANDOMIZE),

@@ -46,20 +46,35 @@ impl Line {
     }
 
     /// The line of an actuator of which a largest torque \[N·m\] and a speed without load \[rad/s\] alone are known: it falls from
-    /// standstill on. A motor whose current is limited has no less than that.
+    /// standstill on. A motor without inductance whose current is limited has no less
+    /// than that; with much of it, it may.
     pub fn triangle(effort: f64, no_load: f64) -> Option<Line> {
         let line = Line::new(effort, no_load, |_| Some(0.0))?;
         Some(Line { excess: (0.0, 0.0), shortfall: (0.0, 0.0), is_assumed: true, ..line })
     }
 
-    /// The highest line through the speed without load that promises nothing too much: it may start below e.
+    /// The line that promises nothing too much, and of those the one with the most area under it: it passes along an edge of the
+    /// lower convex hull of the motor's own curve, and may end before the speed without load.
     #[must_use]
     pub fn below(&self, speed_at: impl Fn(f64) -> Option<f64>) -> Line {
-        let stall = self.curve(&speed_at).map(|(speed, torque)| torque / (1.0 - speed / self.no_load));
-        let stall = stall.fold(self.stall, f64::min);
+        let hull = lower_hull(self.curve(&speed_at).collect());
+        let area = |line: &Line| line.effort * 0.5 * (line.corner + line.no_load);
+        let through = |pair: &[(f64, f64)]| {
+            let ((slow, more), (fast, less)) = (pair[0], pair[1]);
+            let slope = (more - less) / (fast - slow);
+            (slope > 0.0).then(|| self.falling(fast + less / slope, more + slope * slow))
+        };
+        // A curve that ends upright has one corner alone.
+        let upright = hull.last().map(|(speed, _)| self.falling(*speed, self.effort / (1.0 - UPRIGHT)));
+        let edges = hull.windows(2).filter_map(through).chain(upright.filter(|_| hull.len() == 1));
+        let best = edges.reduce(|a, b| if area(&b) > area(&a) { b } else { a });
+        best.unwrap_or(*self).compared_over(self.effort, &speed_at)
+    }
+
+    /// A line with another end and another torque at standstill.
+    fn falling(&self, no_load: f64, stall: f64) -> Line {
         let effort = self.effort.min(stall);
-        let corner = self.no_load * (1.0 - effort / stall);
-        Line { effort, stall, corner, ..*self }.compared(&speed_at)
+        Line { effort, stall, no_load, corner: no_load * (1.0 - effort / stall), ..*self }
     }
 
     /// Largest torque that the line allows at a speed in the torque's own direction \[N·m\].
@@ -82,15 +97,32 @@ impl Line {
         }
     }
 
-    /// Points of the motor's own curve: speed and torque, from the speed without load to the corner.
+    /// Points of the motor's own curve: speed and torque, from its end to the corner.
     fn curve<'a>(&'a self, speed_at: &'a impl Fn(f64) -> Option<f64>) -> impl Iterator<Item = (f64, f64)> + 'a {
-        let torques = (1..=POINTS).map(|k| self.effort * k as f64 / POINTS as f64);
-        torques.filter_map(move |torque| Some((speed_at(torque)?, torque))).filter(|(speed, _)| *speed < self.no_load)
+        let last = self.no_load;
+        curve(self.effort, speed_at).map(move |(speed, torque)| (speed.min(last), torque))
     }
 
-    fn compared(mut self, speed_at: &impl Fn(f64) -> Option<f64>) -> Line {
+    fn compared(self, speed_at: &impl Fn(f64) -> Option<f64>) -> Line {
+        self.compared_over(self.effort, speed_at)
+    }
+
+    /// Compared with the curve up to a torque.
+    fn compared_over(mut self, most: f64, speed_at: &impl Fn(f64) -> Option<f64>) -> Line {
         let (mut excess, mut shortfall) = ((0.0, 0.0), (0.0, 0.0));
-        for (speed, torque) in self.curve(speed_at) {
+        // Of one speed the curve has its largest torque: below it, it ends upright.
+        let mut largest: Vec<(f64, f64)> = Vec::new();
+        for (speed, torque) in curve(most, speed_at) {
+            match largest.last_mut() {
+                Some(last) if last.0 <= speed => *last = (last.0, torque),
+                _ => largest.push((speed, torque)),
+            }
+        }
+        // Just beyond where it ends upright it has nothing.
+        if let Some((end, _)) = largest.first().filter(|(end, torque)| *end < self.no_load && *torque > 0.0) {
+            excess = (*end, self.at(*end));
+        }
+        for (speed, torque) in largest {
             let more = self.at(speed) - torque;
             if more > excess.1 {
                 excess = (speed, more);
@@ -102,6 +134,28 @@ impl Line {
         (self.excess, self.shortfall) = (excess, shortfall);
         self
     }
+}
+
+/// Points of a curve up to a torque: speed and torque, the fastest first.
+fn curve(most: f64, speed_at: &impl Fn(f64) -> Option<f64>) -> impl Iterator<Item = (f64, f64)> {
+    let torques = (0..=POINTS).map(move |k| most * k as f64 / POINTS as f64);
+    torques.filter_map(move |torque| Some((speed_at(torque)?, torque)))
+}
+
+/// The lower convex hull of points, by rising speed.
+fn lower_hull(mut points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    // Of one speed the least torque: a curve that falls upright there promises no more.
+    points.dedup_by(|next, first| next.0 - first.0 <= 1e-12 * first.0.abs());
+    let mut hull: Vec<(f64, f64)> = Vec::new();
+    for point in points {
+        let turns = |a: (f64, f64), b: (f64, f64)| (b.0 - a.0) * (point.1 - a.1) - (b.1 - a.1) * (point.0 - a.0);
+        while hull.len() >= 2 && turns(hull[hull.len() - 2], hull[hull.len() - 1]) <= 0.0 {
+            hull.pop();
+        }
+        hull.push(point);
+    }
+    hull
 }
 
 #[cfg(test)]
@@ -134,8 +188,24 @@ mod tests {
         assert!(below.excess.1 < 1e-9, "{below:?}");
         assert!(below.stall <= line.stall && below.effort <= line.effort);
         // It touches the curve: a little more would promise too much.
-        let more = Line { stall: below.stall * 1.001, effort: line.effort, ..below }.compared(&speed_at);
+        let more = Line { stall: below.stall * 1.001, ..below }.compared_over(1.2, &speed_at);
         assert!(more.excess.1 > 0.0);
+    }
+
+    /// A curve that ends upright before the speed without load keeps its torque.
+    #[test]
+    fn a_curve_that_ends_upright_keeps_its_torque() {
+        // 120 N*m up to 6 rad/s, falling to 10 N*m at 20 rad/s, then nothing; 21 rad/s without load.
+        let speed_at = |torque: f64| Some(if torque <= 10.0 { 20.0 } else { 20.0 - (torque - 10.0) / 110.0 * 14.0 });
+        let line = Line::new(120.0, 21.0, speed_at).unwrap();
+        assert!(line.excess.1 > 1.0, "{line:?}");
+        let below = line.below(speed_at);
+        assert!(below.effort > 115.0 && below.no_load <= 20.0 + 1e-9, "{below:?}");
+        assert!(below.excess.1 < 1e-6, "{below:?}");
+        // A box stays one.
+        let upright = |_: f64| Some(20.0);
+        let below = Line::new(120.0, 20.0, upright).unwrap().below(upright);
+        assert!(below.effort == 120.0 && below.corner > 19.9, "{below:?}");
     }
 
     #[test]

@@ -48,6 +48,9 @@ pub struct Cog {
     pub phase: f64,
 }
 
+/// Numbers of a joint by name.
+pub type Numbers = [(&'static str, Option<f64>); 7];
+
 /// How the winding heats, as one body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Heat {
@@ -118,6 +121,10 @@ pub struct SimulatedJoint {
     pub torque_constant: Option<f64>,
     /// Gear efficiencies when the motor drives, η, and when the load drives, η_b; `None` for a module whose row does not say them.
     pub efficiencies: Option<(f64, f64)>,
+    /// Efficiencies of the transmission behind it, driving and driven; one where nothing is said.
+    pub transmission_efficiencies: (f64, f64),
+    /// Whether the joint turns against the actuator, by a transmission.
+    pub is_reversed: bool,
     /// Whether the largest torque is a module's rating at its flange, with its gear's loss in it.
     pub is_behind_loss: bool,
     /// Of a transmission whose ratio goes with the angle, over the angles of the motion: angle of the joint \[rad\], turns of the motor
@@ -164,6 +171,8 @@ impl SimulatedJoint {
             efficiencies: inside(candidate)
                 .is_none_or(|inside| inside.gear_loss.is_some())
                 .then_some((candidate.gear.efficiency, candidate.gear.backdrive_efficiency)),
+            transmission_efficiencies: (1.0, 1.0),
+            is_reversed: false,
             is_behind_loss: false,
             over_angle: Vec::new(),
             is_before_the_joint: false,
@@ -214,6 +223,11 @@ impl SimulatedJoint {
     fn pass_on(&mut self, candidate: &Candidate) {
         let Some(passed) = candidate.joint.passed.as_deref() else { return };
         let number = crate::words::number;
+        self.transmission_efficiencies = (passed.numbers.efficiency, passed.numbers.backdrive_efficiency);
+        if passed.numbers.is_lossy() {
+            let what = format!("efficiency {} of the transmission", number(passed.numbers.efficiency));
+            self.leave_out(Fact::GearLoss, what, "a joint has no loss in proportion to the load");
+        }
         let Some(signed) = passed.constant() else {
             self.is_before_the_joint = true;
             self.over_angle = self.along(passed);
@@ -229,7 +243,8 @@ impl SimulatedJoint {
             return self.leave_out(Fact::Transmission, format!("transmission ({})", passed.word()), why);
         };
         let r = signed.abs();
-        if signed < 0.0 {
+        self.is_reversed = signed < 0.0;
+        if self.is_reversed {
             self.leave_out(None, "direction", format!("r = {}: the joint turns against the actuator", number(signed)));
         }
         let at_joint = |bound: Bound| Bound { value: bound.value / r, ..bound };
@@ -237,8 +252,16 @@ impl SimulatedJoint {
         self.damping = self.damping.map(|b| b * r * r);
         self.friction_loss = self.friction_loss.map(|c| c * r);
         self.friction_at_rest = self.friction_at_rest.map(|c| c * r);
-        self.stiffness = self.stiffness.map(|k| k * r * r);
-        self.backlash = self.backlash.map(|play| play / r);
+        // In series with what the transmission has of its own.
+        let own = passed.numbers;
+        self.stiffness = match (self.stiffness.map(|k| k * r * r), own.stiffness) {
+            (Some(gear), Some(own)) => Some(gear * own / (gear + own)),
+            (gear, own) => gear.or(own),
+        };
+        self.backlash = match (self.backlash.map(|play| play / r), own.backlash) {
+            (Some(gear), Some(own)) => Some(gear + own),
+            (gear, own) => gear.or(own),
+        };
         self.speed = at_joint(self.speed);
         self.mechanical_speed = self.mechanical_speed.map(at_joint);
         self.speed_at_motor_torque = self.speed_at_motor_torque.map(|speed| speed / r);
@@ -257,10 +280,6 @@ impl SimulatedJoint {
             for torque in [&mut self.motor_torque, &mut self.braking_motor_torque] {
                 *torque = least([*torque, Some(Bound { value: most, owner: "transmission" })]);
             }
-        }
-        if passed.numbers.is_lossy() {
-            let what = format!("efficiency {} of the transmission", number(passed.numbers.efficiency));
-            self.leave_out(Fact::GearLoss, what, "a joint has no loss in proportion to the load");
         }
     }
 
@@ -293,20 +312,33 @@ impl SimulatedJoint {
         self.line = Some(line.behind(behind));
     }
 
+    /// What arrives at a load that the motor drives, and what holds against a load that drives, per torque that is written; `None`
+    /// where the gear's loss is not known.
+    pub fn load_factors(&self) -> Option<(f64, f64)> {
+        let gear = if self.is_behind_loss { Some((1.0, 1.0)) } else { self.efficiencies };
+        let (behind, backwards) = self.transmission_efficiencies;
+        gear.map(|(efficiency, driven)| (efficiency * behind, 1.0 / (driven * backwards)))
+    }
+
     /// Largest torque at the output while the load drives \[N·m\], before the gear's loss.
     pub fn braking_effort(&self) -> Option<Bound> {
         self.braking_motor_torque.map(|b| Bound { value: b.value * self.ratio, ..b })
     }
 
-    /// The numbers that ranges and draws are of, by name; SI, at the joint.
-    pub fn numbers(&self) -> [(&'static str, Option<f64>); 7] {
+    /// The numbers that ranges and draws are of, by name; SI, at the joint. Of the line that promises nothing too much, and behind the
+    /// losses, where that is wished.
+    pub fn numbers(&self, is_below: bool, is_behind_losses: bool) -> Numbers {
+        let line = if is_below { self.line_below } else { self.line };
+        let driving = self.load_factors().map_or(1.0, |(driving, _)| driving);
+        let factor = if is_behind_losses { driving } else { 1.0 };
+        let effort = line.filter(|_| is_below).map(|l| l.effort).or(self.effort().map(|b| b.value));
         [
             ("armature", self.armature),
             ("damping", self.damping),
             ("friction_loss", self.friction_loss),
-            ("effort", self.effort().map(|b| b.value)),
-            ("saturation_effort", self.line.map(|l| l.stall)),
-            ("no_load_speed", self.line.map(|l| l.no_load)),
+            ("effort", effort.map(|effort| effort * factor)),
+            ("saturation_effort", line.map(|l| l.stall * factor)),
+            ("no_load_speed", line.map(|l| l.no_load)),
             ("torque_constant", self.torque_constant),
         ]
     }
@@ -374,11 +406,12 @@ impl SimulatedJoint {
             let what = format!("gear efficiency {}, backwards {}", number(efficiency), number(backwards));
             // What a module's row rates has the gear's loss in it.
             let before = self.effort().filter(|_| !self.is_behind_loss);
+            let factor = self.load_factors().map_or(efficiency, |(driving, _)| driving);
             let loss = before.map_or_else(String::new, |effort| {
                 format!(
                     ": of {} N*m at most {} N*m reach a load that the motor drives",
                     number(effort.value),
-                    number(effort.value * efficiency)
+                    number(effort.value * factor)
                 )
             });
             self.leave_out(Fact::GearLoss, what, format!("a joint has no loss in proportion to the load{loss}"));
@@ -512,12 +545,26 @@ fn least(bounds: impl IntoIterator<Item = Option<Bound>>) -> Option<Bound> {
 /// Largest torque at the motor: of its row, of the current of motor, drive and voltage, of the gear's output over N.
 /// No safety factor: it is the limit itself.
 fn peak_torque(candidate: &Candidate, ratio: f64) -> Option<Bound> {
-    // At standstill the voltage drives no more than V/R.
-    let actuator = &candidate.actuator;
     let module = of_module(candidate, ratio, |inside| inside.module.largest_torque());
-    let stall = actuator.shortfall.left_of_current(candidate.voltage() / candidate.motor.resistance, 1.0);
-    let voltage = Bound { value: actuator.torque_constant * stall, owner: "voltage at standstill" };
+    let voltage = Bound { value: stall_torque(candidate), owner: "voltage at standstill" };
     least([module, braking_torque(candidate, ratio), Some(voltage)])
+}
+
+/// Torque at the motor \[N·m\] for which the voltage suffices at standstill, with the winding as hot as it may be, and drive, leads and
+/// supply in series: as the line of torque over speed has it.
+fn stall_torque(candidate: &Candidate) -> f64 {
+    let actuator = &candidate.actuator;
+    let resistance = actuator.resistance_per_torque() * actuator.torque_constant;
+    let stiff = actuator.torque_constant * actuator.shortfall.left_of_current(candidate.voltage() / resistance, 1.0);
+    if !stiff.is_finite() || candidate.supply(0.0).is_none() {
+        return stiff;
+    }
+    let (mut enough, mut too_much) = (0.0, stiff);
+    for _ in 0..60 {
+        let middle = 0.5 * (enough + too_much);
+        if speed_by_voltage(candidate, middle) > 0.0 { enough = middle } else { too_much = middle }
+    }
+    enough
 }
 
 /// The same whatever the voltage.

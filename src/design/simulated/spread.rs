@@ -2,13 +2,13 @@
 //!
 //! The one idea: what is uncertain are the numbers of the motor's row, of its gear and of its effects: each with a ± of its
 //! row, or all together with the covariance of a fit. What a simulator is told follows from them by the same way as ever
-//! ([`SimulatedJoint::new`]), of a motor with other numbers: ranges by its slopes, draws one by one.
+//! ([`SimulatedJoint`](super::SimulatedJoint)), of a motor with other numbers: ranges by its slopes, draws one by one.
 
 use nalgebra::{DMatrix, DVector};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 
-use super::SimulatedJoint;
+use super::Numbers;
 use crate::catalog::{FIELDS, Field, Motor};
 use crate::effects::{Effect, Named};
 
@@ -26,7 +26,7 @@ const SEED: u64 = 20_251;
 /// A range of 95 %.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ranged {
-    /// Which number: a name of [`SimulatedJoint::numbers`].
+    /// Which number: a name of [`SimulatedJoint::numbers`](super::SimulatedJoint::numbers).
     pub name: &'static str,
     /// Lower end, SI; not below zero.
     pub low: f64,
@@ -41,7 +41,7 @@ pub struct Ranged {
 pub struct Spread {
     /// Ranges; a number of which nothing has a ± has none.
     pub ranges: Vec<Ranged>,
-    /// Draws, each with the numbers of [`SimulatedJoint::numbers`].
+    /// Draws, each with the numbers of [`SimulatedJoint::numbers`](super::SimulatedJoint::numbers).
     pub draws: Vec<Vec<(&'static str, f64)>>,
     /// Whether the numbers were fitted together: then draws keep their covariance.
     pub is_correlated: bool,
@@ -79,9 +79,9 @@ struct Uncertain<'a> {
 }
 
 impl Spread {
-    /// Ranges of a joint, and `draws` draws of it, where `of` makes a joint of a motor with other numbers. `None` where no
+    /// Ranges of a joint, and `draws` draws of it, where `of` has the joint's numbers with another motor. `None` where no
     /// number of the motor has a ±; a module's row has none.
-    pub fn new(motor: &Motor, draws: usize, of: impl Fn(&Motor) -> Option<SimulatedJoint>) -> Option<Spread> {
+    pub fn new(motor: &Motor, draws: usize, of: impl Fn(&Motor) -> Option<Numbers>) -> Option<Spread> {
         let uncertain = Uncertain::new(motor)?;
         let ranges = uncertain.ranges(&of);
         let draws = uncertain.draws(draws, &of);
@@ -221,9 +221,8 @@ impl<'a> Uncertain<'a> {
         })
     }
 
-    fn ranges(&self, of: &impl Fn(&Motor) -> Option<SimulatedJoint>) -> Vec<Ranged> {
-        let Some(plain) = of(self.motor) else { return Vec::new() };
-        let numbers = plain.numbers();
+    fn ranges(&self, of: &impl Fn(&Motor) -> Option<Numbers>) -> Vec<Ranged> {
+        let Some(numbers) = of(self.motor) else { return Vec::new() };
         // Slope of each number along each uncertain one.
         let mut slopes = DMatrix::zeros(numbers.len(), self.values.len());
         for k in 0..self.values.len() {
@@ -234,12 +233,12 @@ impl<'a> Uncertain<'a> {
             let at = |by: f64| {
                 let mut values = self.values.clone();
                 values[k] += by;
-                Some(of(&self.with(&values)?)?.numbers())
+                of(&self.with(&values)?)
             };
             // One side is enough where the other is none that the number can have.
             let (down, up) = (at(-step), at(step));
             for (j, (_, value)) in numbers.iter().enumerate() {
-                let side = |other: &Option<[(&str, Option<f64>); 7]>| other.as_ref().and_then(|o| o[j].1);
+                let side = |other: &Option<Numbers>| other.as_ref().and_then(|o| o[j].1);
                 slopes[(j, k)] = match (side(&down), *value, side(&up)) {
                     (Some(a), _, Some(b)) => (b - a) / (2.0 * step),
                     (None, Some(a), Some(b)) | (Some(a), Some(b), None) => (b - a) / step,
@@ -266,7 +265,7 @@ impl<'a> Uncertain<'a> {
         ranges
     }
 
-    fn draws(&self, count: usize, of: &impl Fn(&Motor) -> Option<SimulatedJoint>) -> Vec<Vec<(&'static str, f64)>> {
+    fn draws(&self, count: usize, of: &impl Fn(&Motor) -> Option<Numbers>) -> Vec<Vec<(&'static str, f64)>> {
         // A root of the covariance, whatever rounding made of its rank.
         let eigen = self.covariance.clone().symmetric_eigen();
         let root = &eigen.eigenvectors * DMatrix::from_diagonal(&eigen.eigenvalues.map(|v| v.max(0.0).sqrt()));
@@ -275,8 +274,8 @@ impl<'a> Uncertain<'a> {
         for _ in 0..count {
             let drawn = (0..TRIES).find_map(|_| {
                 let normal = DVector::from_fn(self.values.len(), |_, _| normal(&mut generator));
-                let joint = of(&self.with(&(&self.values + &root * normal))?)?;
-                Some(joint.numbers().iter().filter_map(|(name, value)| Some((*name, (*value)?))).collect())
+                let numbers = of(&self.with(&(&self.values + &root * normal))?)?;
+                Some(numbers.iter().filter_map(|(name, value)| Some((*name, (*value)?))).collect())
             });
             draws.extend(drawn);
         }

@@ -7,7 +7,9 @@
 //! and its technical note, "MuJoCo DC Motor Model".
 
 use super::mjcf::{class, element};
-use super::{Cell, Exported, Format, Origin, Wish, Wishes, comment, comment_lines, digits, escape, line_remarks};
+use super::{
+    Cell, Exported, Format, Origin, Wish, Wishes, comment, comment_lines, digits, escape, line_remarks, range,
+};
 use crate::design::simulated::Fact;
 use crate::report::number;
 
@@ -48,9 +50,9 @@ fn says(fact: Fact) -> Cell {
         Fact::Backlash => Cell::Not("only into a model, with the option `gear-joint`: a second joint with this range"),
         Fact::Cogging => Cell::Approximately("cogging: the largest order alone"),
         Fact::OtherEffects => Cell::Not("a joint has no such term"),
-        Fact::ElectricalTime => Cell::Approximately("inductance, with the option `electrical` alone"),
+        Fact::ElectricalTime => Cell::Approximately("inductance, only with the option `electrical`"),
         Fact::Heating => Cell::Approximately(
-            "thermal, with the option `thermal` alone: one body, heated as if the winding were at its hottest",
+            "thermal, only with the option `thermal`: one body, heated as if the winding were at its hottest",
         ),
         Fact::Transmission => Cell::Not("a model needs the links themselves"),
         Fact::Spring => Cell::Not("it belongs to the joint of the model: `stiffness` and `springref`"),
@@ -64,6 +66,39 @@ pub fn joint_attributes(e: &Exported) -> Vec<(&'static str, String)> {
     attributes.extend(e.simulated.damping.map(|_| ("damping", "0".to_string())));
     attributes.extend(e.simulated.friction_loss.map(|f| ("frictionloss", digits(f))));
     attributes
+}
+
+/// The same for a joint of a model, whose own limit of force would hold for the motor, too.
+///
+/// # Errors
+/// In words, what is not known for it.
+pub fn joint_attributes_in_model(e: &Exported, wishes: &Wishes) -> Result<Vec<(&'static str, String)>, String> {
+    let mut attributes = joint_attributes(e);
+    attributes.push(("actuatorfrclimited", "true".into()));
+    attributes.push(("actuatorfrcrange", range(wishes.line(e, "dcmotor")?.effort)));
+    Ok(attributes)
+}
+
+/// Attributes of a `dcmotor` that is there already: what it says otherwise would count, too.
+///
+/// # Errors
+/// In words, what is not known for it.
+pub fn all_motor_attributes(e: &Exported, wishes: &Wishes) -> Result<Vec<(&'static str, String)>, String> {
+    let mut attributes = motor_attributes(e, wishes)?;
+    let none = [
+        ("nominal", "0 0 0"),
+        ("inductance", "0 0"),
+        ("cogging", "0 0 0"),
+        ("thermal", "0 0 0 0 0 0"),
+        ("lugre", "0 0 0 0 0"),
+        ("ctrllimited", "false"),
+    ];
+    for (key, value) in none {
+        if attributes.iter().all(|(k, _)| *k != key) {
+            attributes.push((key, value.into()));
+        }
+    }
+    Ok(attributes)
 }
 
 /// Attributes of the `dcmotor`.
@@ -132,6 +167,9 @@ fn remarks(e: &Exported, wishes: &Wishes) -> Vec<String> {
     if wishes.thermal {
         lines.push("the winding's temperature is the last state, above ambient; it heats as if it were at its hottest: right at its limit, too much below".into());
     }
+    if wishes.electrical {
+        lines.push("the current follows with L/R".into());
+    }
     lines.push("armature and damping add to the joint's own, which are 0 here".into());
     lines.extend(line_remarks(e, wishes));
     let others: Vec<String> =
@@ -144,7 +182,7 @@ fn remarks(e: &Exported, wishes: &Wishes) -> Vec<String> {
 
 /// The comment with provenance and what is left out.
 pub fn header(origin: &Origin, joints: &[Exported], wishes: &Wishes) -> String {
-    comment(&comment_lines(origin, joints, says, |e| remarks(e, wishes)))
+    comment(&comment_lines(origin, joints, (says, wishes), |e| remarks(e, wishes)))
 }
 
 fn text(origin: &Origin, joints: &[Exported], wishes: &Wishes) -> Result<String, String> {

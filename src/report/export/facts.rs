@@ -85,9 +85,10 @@ pub fn value(e: &Exported, fact: Fact) -> Option<String> {
 }
 
 /// What a format does not say of a joint, or says only nearly: a line for each fact that the joint has.
-pub fn lines(e: &Exported, says: fn(Fact) -> Cell) -> Vec<String> {
+/// What was granted to a wish has remarks of its own.
+pub fn lines(e: &Exported, says: fn(Fact) -> Cell, is_granted: impl Fn(Fact) -> bool) -> Vec<String> {
     let mut lines = Vec::new();
-    for left in &e.simulated.left_out {
+    for left in e.simulated.left_out.iter().filter(|left| !left.fact.is_some_and(&is_granted)) {
         match left.fact.map(says) {
             Some(Cell::Said(_)) => {}
             Some(Cell::Approximately(how)) => lines.push(format!("nearly: {}: {how}", left.what)),
@@ -96,7 +97,7 @@ pub fn lines(e: &Exported, says: fn(Fact) -> Cell) -> Vec<String> {
     }
     // What has a number of its own and no reason among those.
     for fact in Fact::ALL {
-        if e.simulated.left_out.iter().any(|left| left.fact == Some(*fact)) {
+        if is_granted(*fact) || e.simulated.left_out.iter().any(|left| left.fact == Some(*fact)) {
             continue;
         }
         let Some(value) = value(e, *fact) else { continue };

@@ -4,7 +4,7 @@
 //! `damping` are gains of the controller: viscous friction is `viscous_friction`.
 
 use super::python::{Call, expressions, module};
-use super::{Cell, Exported, Format, Origin, Wish, Wishes, comment_lines, digits, line_remarks};
+use super::{Cell, Exported, Format, Origin, Wish, Wishes, comment_lines, digits, line_remarks, table_remarks};
 use crate::design::simulated::Fact;
 
 /// Isaac Lab 2.
@@ -81,7 +81,7 @@ fn says_both(fact: Fact) -> Cell {
         Fact::Armature => Cell::Said("armature"),
         Fact::Damping => Cell::Said("viscous_friction"),
         Fact::Friction => Cell::Said("dynamic_friction"),
-        Fact::FrictionAtRest => Cell::Said("friction"),
+        Fact::FrictionAtRest => Cell::Said("friction; where it is not known, that while it moves"),
         Fact::Braking => Cell::Approximately("as much as while it drives, at every speed"),
         Fact::ContinuousTorque | Fact::Heating => Cell::Not("nothing heats"),
         Fact::GearLoss => {
@@ -96,9 +96,9 @@ fn says_both(fact: Fact) -> Cell {
             "RemotizedPDActuatorCfg: torque over the angle, not over speed; inertia and friction go with the angle and are left out",
         ),
         Fact::Spring => Cell::Not("it belongs to the joint of the asset"),
-        Fact::Ranges => {
-            Cell::Approximately("armature and friction for `randomize_joint_parameters`, others in the comment")
-        }
+        Fact::Ranges => Cell::Approximately(
+            "armature for `randomize_joint_parameters`, others in the comment: its friction would set viscous friction, too",
+        ),
         Fact::PeakTorque | Fact::TorqueSpeed | Fact::MechanicalSpeed => Cell::Not("it has no place"),
     }
 }
@@ -106,10 +106,19 @@ fn says_both(fact: Fact) -> Cell {
 fn text(version: &Version, origin: &Origin, joints: &[Exported], wishes: &Wishes) -> Result<String, String> {
     let remarks = |e: &Exported| {
         let mut lines = vec![version.needs.to_string()];
-        lines.extend(line_remarks(e, wishes));
+        match e.simulated.over_angle.is_empty() {
+            true => lines.extend(line_remarks(e, wishes)),
+            false => lines.extend(table_remarks(e)),
+        }
+        if wishes.has_range_of(e, "friction_loss") {
+            lines.push(
+                "friction has no range in the code: `randomize_joint_parameters` would set viscous friction to it, too"
+                    .into(),
+            );
+        }
         lines
     };
-    let comments = comment_lines(origin, joints, version.says, remarks);
+    let comments = comment_lines(origin, joints, (version.says, wishes), remarks);
     let is_table = |e: &Exported| !e.simulated.over_angle.is_empty();
     let imports = match (joints.iter().any(is_table), joints.iter().all(is_table)) {
         (false, _) => "from isaaclab.actuators import DCMotorCfg",
@@ -118,7 +127,7 @@ fn text(version: &Version, origin: &Origin, joints: &[Exported], wishes: &Wishes
     };
     module((&comments, imports), origin, joints, |e| {
         if is_table(e) {
-            return Ok(over_angle(e, wishes));
+            return over_angle(e, wishes);
         }
         let s = &e.simulated;
         let line = wishes.line(e, "saturation_effort")?;
@@ -127,31 +136,44 @@ fn text(version: &Version, origin: &Origin, joints: &[Exported], wishes: &Wishes
             "parameters of `randomize_joint_parameters`, with operation \"abs\" and distribution \"uniform\"",
         );
         call.with("joint_names_expr", format!("[{}]", expressions(e, wishes).join(", ")), "");
-        call.number(version.effort, line.effort, "N*m, before the gear's loss");
+        call.number(version.effort, line.effort, format!("N*m, {}", wishes.side(e)));
         call.number("saturation_effort", line.stall, "N*m, of the line at standstill");
         call.number(version.velocity, line.no_load, "rad/s, where the voltage leaves no torque");
         call.optional(version.solver_velocity, s.mechanical_speed.map(|b| b.value), "rad/s, of motor and gear");
         call.optional("armature", s.armature, "kg*m^2");
         call.optional("viscous_friction", s.damping, "N*m*s/rad");
         let at_rest = s.friction_loss.map(|loss| loss + s.friction_at_rest.unwrap_or(0.0));
-        call.optional("friction", at_rest, "N*m, at rest");
+        let known = if s.friction_at_rest.is_some() {
+            "N*m, at rest"
+        } else {
+            "N*m, at rest: not known apart, that while it moves"
+        };
+        call.optional("friction", at_rest, known);
         call.optional("dynamic_friction", s.friction_loss, "N*m, while it moves");
         call.with("stiffness", "stiffness", "");
         call.with("damping", "damping", "a gain, not friction");
         call.range("armature_distribution_params", e, "armature");
-        call.range("friction_distribution_params", e, "friction_loss");
         Ok(call)
     })
 }
 
 /// An actuator whose ratio goes with the joint's angle: torque over the angle, and nothing over speed.
-fn over_angle(e: &Exported, wishes: &Wishes) -> Call {
+fn over_angle(e: &Exported, wishes: &Wishes) -> Result<Call, String> {
     let mut call = Call::new("RemotizedPDActuatorCfg", "");
     call.with("joint_names_expr", format!("[{}]", expressions(e, wishes).join(", ")), "");
-    let rows = e.simulated.over_angle.iter().map(|row| format!("[{}]", row.map(digits).join(", ")));
+    let factor = wishes.efficiency(e)?;
+    let rows = e
+        .simulated
+        .over_angle
+        .iter()
+        .map(|[q, ratio, torque]| format!("[{}]", [*q, *ratio, torque * factor].map(digits).join(", ")));
     let rows = rows.collect::<Vec<_>>().join(",\n            ");
-    call.with("joint_parameter_lookup", format!("[\n            {rows},\n        ]"), "rad, N r, N*m");
+    call.with(
+        "joint_parameter_lookup",
+        format!("[\n            {rows},\n        ]"),
+        format!("rad, N r, N*m, {}", wishes.side(e)),
+    );
     call.with("stiffness", "stiffness", "");
     call.with("damping", "damping", "a gain, not friction");
-    call
+    Ok(call)
 }

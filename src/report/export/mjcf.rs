@@ -3,7 +3,7 @@
 //! The command of the motor is the electromagnetic torque at the motor's shaft \[N·m\], `K_T i`; `gear` is N.
 //! `actuatorfrcrange` limits what reaches the joint whichever kind of actuator drives it.
 
-use super::{Cell, Exported, Format, Origin, comment, comment_lines, digits, escape, range};
+use super::{Cell, Exported, Format, Origin, Wishes, comment, comment_lines, digits, escape, range};
 use crate::design::simulated::Fact;
 
 /// The format.
@@ -97,7 +97,7 @@ fn remarks(e: &Exported) -> Vec<String> {
 
 /// The comment with provenance and what is left out.
 pub fn header(origin: &Origin, joints: &[Exported]) -> String {
-    comment(&comment_lines(origin, joints, says, remarks))
+    comment(&comment_lines(origin, joints, (says, &Wishes::default()), remarks))
 }
 
 /// An element of a tag with attributes.

@@ -45,7 +45,7 @@ fn says(fact: Fact) -> Cell {
 }
 
 fn text(origin: &Origin, joints: &[Exported], wishes: &Wishes) -> Result<String, String> {
-    let comments = comment_lines(origin, joints, says, |e| line_remarks(e, wishes));
+    let comments = comment_lines(origin, joints, (says, wishes), |e| line_remarks(e, wishes));
     module((&comments, "from mjlab.actuator import DcMotorActuatorCfg"), origin, joints, |e| {
         let s = &e.simulated;
         let line = wishes.line(e, "saturation_effort")?;
@@ -55,7 +55,7 @@ fn text(origin: &Origin, joints: &[Exported], wishes: &Wishes) -> Result<String,
         );
         // One name is a tuple with its comma.
         call.with("target_names_expr", format!("({},)", expressions(e, wishes).join(", ")), "");
-        call.number("effort_limit", line.effort, "N*m, before the gear's loss");
+        call.number("effort_limit", line.effort, format!("N*m, {}", wishes.side(e)));
         call.number("saturation_effort", line.stall, "N*m, of the line at standstill");
         call.number("velocity_limit", line.no_load, "rad/s, where the voltage leaves no torque");
         call.optional("armature", s.armature, "kg*m^2");

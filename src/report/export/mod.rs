@@ -161,17 +161,43 @@ impl Wishes {
         Ok(Line { effort: line.effort * factor, stall: line.stall * factor, ..line })
     }
 
+    /// Whether a range of a number of a joint is known and wished.
+    pub fn has_range_of(&self, e: &Exported, name: &str) -> bool {
+        e.spread.as_ref().is_some_and(|spread| spread.range(name).is_some())
+    }
+
     /// What torques are multiplied with.
-    fn efficiency(&self, e: &Exported) -> Result<f64, String> {
-        match (self.with_efficiency, e.simulated.efficiencies) {
+    ///
+    /// # Errors
+    /// In words, that it is not known.
+    pub fn efficiency(&self, e: &Exported) -> Result<f64, String> {
+        match (self.with_efficiency, e.simulated.load_factors()) {
             (false, _) => Ok(1.0),
-            // What a module's row rates has its loss in it.
-            (true, _) if e.simulated.is_behind_loss => Ok(1.0),
-            (true, Some((efficiency, _))) => Ok(efficiency),
+            (true, Some((driving, _))) => Ok(driving),
             (true, None) => Err(format!(
                 "joint `{}`: `--with-efficiency`: the row of {} does not say what its gear loses",
                 e.joint, e.motor.id
             )),
+        }
+    }
+
+    /// On which side of the losses torques are written, in words.
+    pub fn side(&self, e: &Exported) -> &'static str {
+        let s = &e.simulated;
+        match (self.with_efficiency, s.is_behind_loss) {
+            (true, _) => "behind the loss of gear and transmission",
+            (false, true) => "a module's rating: its gear's loss is in it",
+            (false, false) => "before the gear's loss",
+        }
+    }
+
+    /// Facts that are said because it was wished, with remarks of their own.
+    fn granted(&self, fact: Fact) -> bool {
+        match fact {
+            Fact::GearLoss => self.with_efficiency,
+            Fact::ElectricalTime => self.electrical,
+            Fact::Heating | Fact::ContinuousTorque => self.thermal,
+            _ => false,
         }
     }
 }
@@ -248,7 +274,7 @@ pub const MARK: &str = " gearwise export";
 fn comment_lines(
     origin: &Origin,
     joints: &[Exported],
-    says: fn(Fact) -> Cell,
+    (says, wishes): (fn(Fact) -> Cell, &Wishes),
     not_here: impl Fn(&Exported) -> Vec<String>,
 ) -> Vec<String> {
     let mut lines = vec![
@@ -286,7 +312,7 @@ fn comment_lines(
         }
         lines.extend(not_here(e).into_iter().map(|line| format!("  {line}")));
         lines.extend(range_lines(e).into_iter().map(|line| format!("  {line}")));
-        lines.extend(facts::lines(e, says).into_iter().map(|line| format!("  {line}")));
+        lines.extend(facts::lines(e, says, |fact| wishes.granted(fact)).into_iter().map(|line| format!("  {line}")));
     }
     lines
 }
@@ -309,15 +335,15 @@ fn line_remarks(e: &Exported, wishes: &Wishes) -> Vec<String> {
     let hot = s.winding.map_or_else(String::new, |w| format!(", winding at {} °C", number(w.hottest - 273.15)));
     let owner = s.motor_torque.map_or("", |b| b.owner);
     let mut lines = vec![format!(
-        "torque over speed: {} N*m (by the {owner}) up to {} rad/s, none at {} rad/s{hot}; {} the gear's loss",
+        "torque over speed: {} N*m (by the {owner}) up to {} rad/s, none at {} rad/s{hot}; {}",
         number(line.effort),
         number(line.corner),
         number(line.no_load),
-        if s.is_behind_loss { "behind" } else { "before" }
+        if s.is_behind_loss { "a module's rating: its gear's loss is in it" } else { "before the gear's loss" }
     )];
     if line.is_assumed {
         lines.push(
-            "ASSUMED: up to which speed it has its largest torque is not known; the line falls from standstill on, and a motor whose current is limited has no less".into(),
+            "ASSUMED: up to which speed it has its largest torque is not known; the line falls from standstill on; a motor without inductance whose current is limited has no less".into(),
         );
     }
     for ((speed, torque), than) in [(line.excess, "more"), (line.shortfall, "less")] {
@@ -327,14 +353,35 @@ fn line_remarks(e: &Exported, wishes: &Wishes) -> Vec<String> {
             lines.push(format!("the line is straight: at {speed} rad/s it has {torque} N*m {than} than the motor"));
         }
     }
-    if let Some((efficiency, _)) = s.efficiencies.filter(|both| *both != (1.0, 1.0) && !s.is_behind_loss) {
-        let behind = number(line.effort * efficiency);
+    if line.stall < 0.9 * s.effort().map_or(0.0, |b| b.value) {
+        let (stall, effort) = (number(line.stall), number(s.effort().map_or(0.0, |b| b.value)));
+        lines.push(format!("the line has {stall} N*m at standstill, less than the {effort} N*m of the motor"));
+    }
+    if let Some((driving, _)) = s.load_factors().filter(|factors| factors.0 != 1.0) {
+        let behind = number(line.effort * driving);
         lines.push(match wishes.with_efficiency {
-            true => format!("torques are written behind the gear's loss, {behind} N*m: right while the motor drives, too little while the load drives"),
+            true => format!("torques are written behind the losses, {behind} N*m: right while the motor drives, too little while the load drives"),
             false => format!("of these at most {behind} N*m reach a load that the motor drives"),
         });
+    } else if wishes.with_efficiency {
+        lines.push("torques are behind the losses as they are: the option `with-efficiency` changes nothing".into());
     }
     lines
+}
+
+/// What is said of a table over the angle.
+fn table_remarks(e: &Exported) -> Vec<String> {
+    let angles: Vec<f64> = e.simulated.over_angle.iter().map(|row| row[0]).collect();
+    let (Some(first), Some(last)) = (angles.first(), angles.last()) else { return Vec::new() };
+    let number = super::number;
+    vec![
+        format!(
+            "the table is torque at the joint over the angles of the motion, {} to {} rad; beyond them a reader may hold its ends",
+            number(*first),
+            number(*last)
+        ),
+        "left out: torque over speed, armature and friction: they go with the angle, and the numbers below are those before the transmission".into(),
+    ]
 }
 
 /// A comment of lines. Two hyphens end a comment, so they are set apart, and a control character is a blank.

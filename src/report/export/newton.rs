@@ -4,7 +4,7 @@
 //! are radians. Source: `newton_usd_schemas` 0.6, `generatedSchema.usda`.
 
 use super::usd::{Joint, layer};
-use super::{Cell, Exported, Format, Origin, Wish, Wishes, comment_lines, digits, line_remarks};
+use super::{Cell, Exported, Format, Origin, Wish, Wishes, comment_lines, digits, line_remarks, table_remarks};
 use crate::design::simulated::Fact;
 
 /// The format.
@@ -54,10 +54,13 @@ fn text(origin: &Origin, joints: &[Exported], wishes: &Wishes) -> Result<String,
         let mut lines = vec![
             "the gains newton:kp and newton:kd of the actuator are yours; without them it gives no torque".to_string(),
         ];
-        lines.extend(line_remarks(e, wishes));
+        match e.simulated.over_angle.is_empty() {
+            true => lines.extend(line_remarks(e, wishes)),
+            false => lines.extend(table_remarks(e)),
+        }
         lines
     };
-    let comments = comment_lines(origin, joints, says, remarks);
+    let comments = comment_lines(origin, joints, (says, wishes), remarks);
     layer(&comments, origin, joints, wishes, |e| {
         let s = &e.simulated;
         if !s.over_angle.is_empty() {

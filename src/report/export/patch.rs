@@ -176,6 +176,14 @@ pub fn patch(text: &str, origin: &Origin, joints: &[Exported], wishes: &Wishes) 
     let root = document.root_element();
     let form = Form::of(root)?;
     form.refuse(wishes)?;
+    let other = root.namespaces().find(|n| n.name() == Some("drake") && n.uri() != urdf::DRAKE);
+    if let Some(other) = other.filter(|_| form != Form::Mjcf) {
+        return Err(format!(
+            "its prefix `drake` is the namespace \"{}\"; Drake's own is \"{}\": fix that first",
+            other.uri(),
+            urdf::DRAKE
+        ));
+    }
     let own = form.joints(root);
     if own.iter().all(|n| n.attribute("name").is_none()) {
         return Err("it has no joint with a name (included files are not followed)".into());
@@ -261,7 +269,7 @@ fn into_mjcf(
     }
     match wishes.as_dcmotor {
         // What stood there of the joint itself would count twice.
-        true => edits.set(node, &dcmotor::joint_attributes(e)),
+        true => edits.set(node, &dcmotor::joint_attributes_in_model(e, wishes)?),
         false => edits.set(node, &mjcf::joint_attributes(e)),
     }
     if wishes.gear_joint {
@@ -270,7 +278,7 @@ fn into_mjcf(
     for actuator in actuators(root, name) {
         match (actuator.tag_name().name(), wishes.as_dcmotor) {
             ("motor", false) => edits.set(actuator, &mjcf::motor_attributes(e)),
-            ("dcmotor", true) => edits.set(actuator, &dcmotor::motor_attributes(e, wishes)?),
+            ("dcmotor", true) => edits.set(actuator, &dcmotor::all_motor_attributes(e, wishes)?),
             (other, true) => {
                 return Err(format!(
                     "joint `{name}` is driven by a <{other}>: make it a <dcmotor> first, or write without `--to dcmotor`"
@@ -295,14 +303,35 @@ fn add_gear_joint(
     remarks: &mut Vec<String>,
 ) -> Result<(), String> {
     let s = &e.simulated;
+    if node.attribute("type").is_some_and(|t| t != "hinge") {
+        return Err(format!("`--gear-joint`: joint `{name}` is no hinge"));
+    }
     let new = format!("{name}_gear");
     let is_there = Form::Mjcf.joints(root).into_iter().find(|n| n.attribute("name") == Some(&new));
+    // One angle more would shift what keyframes say of all joints behind it.
+    let is_keyed =
+        root.descendants().any(|n| n.has_tag_name("key") && (n.has_attribute("qpos") || n.has_attribute("qvel")));
+    if is_keyed && is_there.is_none() {
+        return Err(
+            "`--gear-joint`: the model has keyframes, and a joint more would shift their angles: take them out first"
+                .into(),
+        );
+    }
     let mut attributes: Vec<(&'static str, String)> = vec![("name", new.clone())];
     for copied in ["class", "type", "axis", "pos"] {
         attributes.extend(node.attribute(copied).map(|value| (copied, value.to_string())));
     }
-    attributes.extend([("armature", "0"), ("damping", "0"), ("frictionloss", "0")].map(|(k, v)| (k, v.to_string())));
-    attributes.push(("actuatorfrclimited", "false".into()));
+    // What its class would give it.
+    let none = [
+        ("armature", "0"),
+        ("damping", "0"),
+        ("frictionloss", "0"),
+        ("ref", "0"),
+        ("springref", "0"),
+        ("springdamper", "0 0"),
+        ("actuatorfrclimited", "false"),
+    ];
+    attributes.extend(none.map(|(key, value)| (key, value.to_string())));
     match (s.stiffness, s.backlash) {
         (Some(stiffness), backlash) => {
             attributes.push(("stiffness", digits(stiffness)));
@@ -312,7 +341,14 @@ fn add_gear_joint(
             }
         }
         (None, Some(play)) => {
-            let radian = root.children().any(|c| c.has_tag_name("compiler") && c.attribute("angle") == Some("radian"));
+            // The last one counts.
+            let compilers = root.children().filter(|c| c.has_tag_name("compiler"));
+            let angle = compilers.filter_map(|c| c.attribute("angle")).next_back();
+            if angle.is_none() && root.descendants().any(|n| n.has_tag_name("include")) {
+                let why = "whether angles of the model are degrees is said in a file that it includes: say it in its own <compiler angle=…>";
+                return Err(format!("`--gear-joint`: {why}"));
+            }
+            let radian = angle == Some("radian");
             let half = if radian { 0.5 * play } else { (0.5 * play).to_degrees() };
             attributes.push(("stiffness", "0".into()));
             attributes.push(("limited", "true".into()));
@@ -340,7 +376,8 @@ fn add_gear_joint(
 
 fn actuators<'a>(root: Node<'a, 'a>, joint: &'a str) -> impl Iterator<Item = Node<'a, 'a>> {
     let sections = root.children().filter(|c| c.has_tag_name("actuator"));
-    sections.flat_map(|s| s.children()).filter(move |n| n.is_element() && n.attribute("joint") == Some(joint))
+    let drives = move |n: &Node| n.attribute("joint").or_else(|| n.attribute("jointinparent")) == Some(joint);
+    sections.flat_map(|s| s.children()).filter(move |n| n.is_element() && drives(n))
 }
 
 /// A motor for each joint that no actuator drives.
@@ -459,11 +496,21 @@ fn into_urdf(edits: &mut Edits, root: Node, node: Node, name: &str, e: &Exported
             edits.changes.push((text.range(), digits(e.simulated.ratio)));
         }
         let rotor = e.simulated.inertias.map(|(rotor, gear)| ("rotor_inertia", rotor + gear));
+        let mut missing = Vec::new();
         for (tag, value) in rotor.into_iter().chain([("gear_ratio", e.simulated.ratio)]) {
             let of_drake = |d: &Node| d.tag_name().name() == tag && d.tag_name().namespace() == Some(urdf::DRAKE);
-            for element in transmission.descendants().filter(of_drake) {
-                edits.set(element, &[("value", digits(value))]);
+            let mut there = transmission.descendants().filter(of_drake).peekable();
+            if there.peek().is_none() {
+                missing.push(format!("<drake:{tag} value=\"{}\"/>", digits(value)));
             }
+            there.for_each(|element| edits.set(element, &[("value", digits(value))]));
+        }
+        if let Some(actuator) =
+            transmission.children().find(|c| c.has_tag_name("actuator")).filter(|_| !missing.is_empty())
+        {
+            edits.append(actuator, "actuator", |indent| {
+                missing.iter().map(|line| format!("{indent}{line}\n")).collect()
+            });
         }
     }
 }
@@ -476,12 +523,12 @@ fn transmissions<'a>(root: Node<'a, 'a>, joint: &'a str) -> impl Iterator<Item =
 /// A transmission for each joint that has none, and the namespace that its elements need.
 fn add_transmissions(edits: &mut Edits, root: Node, joints: &[Exported], taken: &[(&str, &str)], wishes: &Wishes) {
     let missing: Vec<_> = taken.iter().filter(|(name, _)| transmissions(root, name).next().is_none()).collect();
-    if missing.is_empty() {
-        return;
-    }
     if root.lookup_prefix(urdf::DRAKE) != Some("drake") {
         let at = edits.name_end(root);
         edits.changes.push((at..at, format!(" xmlns:drake=\"{}\"", urdf::DRAKE)));
+    }
+    if missing.is_empty() {
+        return;
     }
     edits.append(root, "robot", |indent| {
         let all = missing.iter().filter_map(|(name, joint)| {

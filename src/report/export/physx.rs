@@ -23,7 +23,9 @@ fn says(fact: Fact) -> Cell {
         Fact::Armature => Cell::Said("physxJointAxis:angular:armature"),
         Fact::Damping => Cell::Said("physxJointAxis:angular:viscousFrictionCoefficient, per degree"),
         Fact::Friction => Cell::Said("physxJointAxis:angular:dynamicFrictionEffort"),
-        Fact::FrictionAtRest => Cell::Said("physxJointAxis:angular:staticFrictionEffort"),
+        Fact::FrictionAtRest => {
+            Cell::Said("physxJointAxis:angular:staticFrictionEffort; where it is not known, that while it moves")
+        }
         Fact::PeakTorque => Cell::Said("drive:angular:physics:maxForce"),
         Fact::TorqueSpeed => {
             Cell::Said("maxActuatorVelocity, speedEffortGradient: a straight line; how far it is off is in the comment")
@@ -54,7 +56,7 @@ fn text(origin: &Origin, joints: &[Exported], wishes: &Wishes) -> Result<String,
         lines.extend(line_remarks(e, wishes));
         lines
     };
-    let comments = comment_lines(origin, joints, says, remarks);
+    let comments = comment_lines(origin, joints, (says, wishes), remarks);
     layer(&comments, origin, joints, wishes, |e| {
         let s = &e.simulated;
         let line = wishes.line(e, "speedEffortGradient")?;

@@ -3,7 +3,7 @@
 //! The transmission turns actuator into joint: effort × N, velocity / N. Hardware plugins are the user's.
 
 use super::urdf::not;
-use super::{Cell, Exported, Format, Origin, comment, comment_lines, digits, escape};
+use super::{Cell, Exported, Format, Origin, Wishes, comment, comment_lines, digits, escape};
 use crate::design::simulated::Fact;
 
 /// The format.
@@ -41,7 +41,7 @@ fn remarks(e: &Exported) -> Vec<String> {
 }
 
 fn text(origin: &Origin, joints: &[Exported]) -> String {
-    let mut out = comment(&comment_lines(origin, joints, says, remarks));
+    let mut out = comment(&comment_lines(origin, joints, (says, &Wishes::default()), remarks));
     let robot = escape(&origin.robot);
     out.push_str(&format!("\n<robot name=\"{robot}\">\n  <ros2_control name=\"{robot}\" type=\"system\">\n"));
     out.push_str("    <hardware>\n      <!-- your plugin -->\n    </hardware>\n");
@@ -65,7 +65,8 @@ fn text(origin: &Origin, joints: &[Exported]) -> String {
         let name = escape(e.joint);
         out.push_str(&format!(
             "    <transmission name=\"{name}_transmission\">\n      <plugin>transmission_interface/SimpleTransmission</plugin>\n      <actuator name=\"{name}_motor\" role=\"actuator1\"/>\n      <joint name=\"{name}\" role=\"joint1\">\n        <mechanical_reduction>{}</mechanical_reduction>\n      </joint>\n    </transmission>\n",
-            digits(e.simulated.ratio)
+            // A reduction below zero turns the joint against the actuator.
+            digits(if e.simulated.is_reversed { -e.simulated.ratio } else { e.simulated.ratio })
         ));
     }
     out.push_str("  </ros2_control>\n</robot>\n");

@@ -2,7 +2,7 @@
 
 use super::mjcf::element_of;
 use super::urdf::{DRAKE, not};
-use super::{Cell, Exported, Format, Origin, comment, comment_lines, digits, escape};
+use super::{Cell, Exported, Format, Origin, Wishes, comment, comment_lines, digits, escape};
 use crate::design::simulated::Fact;
 use crate::report::number;
 
@@ -58,7 +58,7 @@ fn remarks(e: &Exported) -> Vec<String> {
 
 /// The comment with provenance and what is left out.
 pub fn header(origin: &Origin, joints: &[Exported]) -> String {
-    comment(&comment_lines(origin, joints, says, remarks))
+    comment(&comment_lines(origin, joints, (says, &Wishes::default()), remarks))
 }
 
 /// A section of an axis, on lines of its own; nothing where nothing is known.

@@ -46,17 +46,15 @@ fn says(fact: Fact) -> Cell {
 }
 
 fn text(origin: &Origin, joints: &[Exported], wishes: &Wishes) -> Result<String, String> {
-    let comments = comment_lines(origin, joints, says, |e| line_remarks(e, wishes));
+    let comments = comment_lines(origin, joints, (says, wishes), |e| line_remarks(e, wishes));
     let import = "from unitree_rl_lab.assets.robots.unitree_actuators import UnitreeActuatorCfg";
     module((&comments, import), origin, joints, |e| {
         let s = &e.simulated;
         let line = wishes.line(e, "X1")?;
-        // What a module's row rates has its loss in it, in either direction where the row has both.
-        let (efficiency, braking) = match s.efficiencies {
-            _ if s.is_behind_loss => (1.0, s.braking_effort().map_or(1.0, |b| b.value / line.effort).max(1.0)),
-            Some((efficiency, backwards)) => (efficiency, 1.0 / backwards),
-            None => (1.0, 1.0),
-        };
+        let (driving, driven) = s.load_factors().unwrap_or((1.0, 1.0));
+        // What a module's row rates has its loss in it, while it brakes where the row has a curve for that.
+        let braking =
+            if s.is_behind_loss { s.braking_effort().map_or(1.0, |b| b.value / line.effort).max(1.0) } else { 1.0 };
         let mut call = Call::new(
             "UnitreeActuatorCfg",
             "parameters of `randomize_joint_parameters`, with operation \"abs\" and distribution \"uniform\"",
@@ -64,10 +62,12 @@ fn text(origin: &Origin, joints: &[Exported], wishes: &Wishes) -> Result<String,
         call.with("joint_names_expr", format!("[{}]", expressions(e, wishes).join(", ")), "");
         call.number("X1", line.corner, "rad/s, up to which it has its largest torque");
         call.number("X2", line.no_load, "rad/s, where the voltage leaves no torque");
-        call.number("Y1", line.effort * efficiency, "N*m, driving, behind the gear's loss");
+        call.number("Y1", line.effort * driving, "N*m, driving, behind the losses");
         // A gear that does not turn backwards holds whatever comes: then there is no number.
+        let braking = line.effort * braking * driven;
         if braking.is_finite() && braking > 0.0 {
-            call.number("Y2", line.effort * braking, "N*m, braking: the gear's loss helps");
+            let helps = if driven > 1.0 { "N*m, braking: the losses help" } else { "N*m, braking" };
+            call.number("Y2", braking, helps);
         }
         call.optional("Fs", s.friction_loss, "N*m");
         call.optional("Fd", s.damping, "N*m*s/rad");

@@ -89,7 +89,7 @@ fn remarks(e: &Exported) -> Vec<String> {
 
 /// The comment with provenance and what is left out.
 pub fn header(origin: &Origin, joints: &[Exported]) -> String {
-    comment(&comment_lines(origin, joints, says, remarks))
+    comment(&comment_lines(origin, joints, (says, &Wishes::default()), remarks))
 }
 
 /// Rotor and gear in a transmission, for a joint of the model's name; lines are indented by `indent`.

@@ -459,7 +459,7 @@ fn what_was_exported_is_read_back_without_findings() {
     let patched = write(folder.path(), "out.xml", &text(&base, &["--into", &bare]));
     let output = gearwise(&["check-model", &patched, "--against", &hardware, "--catalog", &fitted]);
     assert_eq!(output.status.code(), Some(0), "{}", stdout(&output));
-    assert!(stdout(&output).contains("is the peak torque before the gear's loss"), "{}", stdout(&output));
+    assert!(stdout(&output).contains("the peak torque before the gear's loss"), "{}", stdout(&output));
     // More than that is an error still.
     let more = std::fs::read_to_string(&patched)
         .unwrap()
@@ -544,7 +544,7 @@ fn a_ratio_over_the_angle_is_a_table_or_a_warning() {
         // 2 N*m at the motor.
         assert_relative_eq!(torque, 20.0 * (1.0 + q), max_relative = 1e-6);
     }
-    let warning = "its transmission has no one ratio";
+    let (warning, left) = ("its transmission has no one ratio", "speed, inertia and friction are left out");
     for (to, key) in [
         ("isaaclab2", "RemotizedPDActuatorCfg("),
         ("isaaclab3", "RemotizedPDActuatorCfg("),
@@ -552,6 +552,7 @@ fn a_ratio_over_the_angle_is_a_table_or_a_warning() {
     ] {
         let output = run(&base, &["--to", to]);
         assert!(stdout(&output).contains(key) && !stderr(&output).contains(warning), "{to}: {}", stderr(&output));
+        assert!(stderr(&output).contains(left) && !stdout(&output).contains("the line is straight"), "{to}");
         assert!(!stdout(&output).contains("saturation"), "{to}");
     }
     for to in ["mjcf", "dcmotor", "mjlab", "unitree", "physx", "urdf", "sdf", "ros2_control"] {
@@ -586,5 +587,137 @@ fn a_module_s_rating_has_its_loss_in_it() {
     // Behind the loss already: the option changes nothing.
     let effort_of = |text: &str| number(text, " effort_limit=");
     assert_eq!(effort_of(&of("mjlab", &[])), effort_of(&of("mjlab", &["--with-efficiency"])));
-    assert!(of("mjlab", &[]).contains("behind the gear's loss"), "{id}");
+    let plain = of("mjlab", &[]);
+    assert!(
+        plain.contains("a module's rating: its gear's loss is in it") && !plain.contains("before the gear's loss"),
+        "{id}"
+    );
+}
+
+/// A model that would be wrong afterwards is refused, and what it has of its own does not count twice.
+#[test]
+fn a_model_of_its_own_mind_is_written_right_or_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let base = example(folder.path(), "knee", "");
+    let model = |inside: &str, before: &str, behind: &str| {
+        let text = format!(
+            "<mujoco>{before}<worldbody><body name=\"l\">{inside}<geom size=\"0.1\"/></body></worldbody>{behind}</mujoco>"
+        );
+        write(folder.path(), "model.xml", &text)
+    };
+    let refused = |model: &str, more: &[&str], why: &str| {
+        let output = run(&base, &[&["--into", model], more].concat());
+        assert_eq!(output.status.code(), Some(2), "{why}: {}", stdout(&output));
+        assert!(stderr(&output).contains(why), "{}", stderr(&output));
+    };
+    let knee = "<joint name=\"knee\"/>";
+    refused(&model(knee, "", "<keyframe><key qpos=\"0.5\"/></keyframe>"), &["--gear-joint"], "the model has keyframes");
+    refused(&model("<joint name=\"knee\" type=\"slide\"/>", "", ""), &["--gear-joint"], "is no hinge");
+    refused(
+        &model(knee, "", "<actuator><position joint=\"knee\"/></actuator>"),
+        &["--to", "dcmotor"],
+        "is driven by a <position>",
+    );
+    // The gear's joint takes nothing of its class.
+    let sprung = model(knee, "<default><joint springref=\"60\" springdamper=\"0.1 1\"/></default>", "");
+    let text_of = text(&base, &["--into", &sprung, "--gear-joint"]);
+    let gear = text_of.split("name=\"knee_gear\"").nth(1).unwrap().split("/>").next().unwrap();
+    assert!(gear.contains("springref=\"0\"") && gear.contains("springdamper=\"0 0\""), "{gear}");
+    // An actuator by `jointinparent` is the joint's; a dcmotor that is there says nothing else of itself.
+    let driven = model(
+        "<joint name=\"knee\" actuatorfrcrange=\"-5 5\"/>",
+        "",
+        "<actuator><dcmotor jointinparent=\"knee\" nominal=\"24 3 100\" thermal=\"1 2 0 0 0 0\"/></actuator>",
+    );
+    let text_of = text(&base, &["--into", &driven, "--to", "dcmotor"]);
+    assert_eq!(text_of.matches("<dcmotor").count(), 1, "{text_of}");
+    for said in ["nominal=\"0 0 0\"", "thermal=\"0 0 0 0 0 0\"", "actuatorfrcrange=\"-20 20\""] {
+        assert!(text_of.contains(said), "{said}: {text_of}");
+    }
+    // A prefix of another namespace; a transmission without Drake's elements gets them.
+    let other = write(
+        folder.path(),
+        "other.urdf",
+        "<robot name=\"r\" xmlns:drake=\"drake.mit.edu\"><joint name=\"knee\" type=\"revolute\"/></robot>",
+    );
+    refused(&other, &[], "its prefix `drake` is the namespace");
+    let old = "<robot name=\"r\">\n  <joint name=\"knee\" type=\"revolute\"/>\n  <transmission name=\"t\">\n    <joint name=\"knee\"/>\n    <actuator name=\"m\">\n      <mechanicalReduction>1</mechanicalReduction>\n    </actuator>\n  </transmission>\n</robot>\n";
+    let old = write(folder.path(), "old.urdf", old);
+    let patched = text(&base, &["--into", &old]);
+    assert!(
+        patched.contains("<drake:rotor_inertia value=\"0.00003\"/>")
+            && patched.contains("<drake:gear_ratio value=\"10\"/>"),
+        "{patched}"
+    );
+    assert!(patched.contains("<mechanicalReduction>10<"), "{patched}");
+    let again = write(folder.path(), "again.urdf", &patched);
+    assert_eq!(text(&base, &["--into", &again]), patched);
+    // What is not known leaves the model's own number, which is said.
+    write(folder.path(), "f.toml", &FITTED.replace("viscous_friction = \"1e-4 N*m*s/rad\"\n", ""));
+    let own = model("<joint name=\"knee\" damping=\"0.5\"/>", "", "");
+    let output = run(&base, &["--into", &own]);
+    assert!(
+        stderr(&output).contains("damping of f is not known; the model's own 0.5 N*m*s/rad stays"),
+        "{}",
+        stderr(&output)
+    );
+}
+
+/// The loss of a transmission is in what is written behind the losses, in ranges too; its direction in ROS.
+#[test]
+fn the_loss_and_the_direction_of_a_transmission_are_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let base = example(folder.path(), "knee", "transmission = { ratio = -1.5, efficiency = 0.6 }\n");
+    write(
+        folder.path(),
+        "f.toml",
+        &FITTED.replace("peak_current =", "torque_constant_tolerance = \"0.01 N*m/A\"\npeak_current ="),
+    );
+    let effort = |text: &str| number(text, " effort_limit=");
+    let behind = text(&base, &["--to", "mjlab", "--with-efficiency", "--ranges"]);
+    // 20 N*m at the gear, 1.5, 0.8 and 0.6.
+    assert_relative_eq!(effort(&behind), 14.4, max_relative = 1e-9);
+    assert!(behind.contains("behind the loss of gear and transmission"), "{behind}");
+    let range = behind.split("\"effort_limits\": (").nth(1).unwrap().split(')').next().unwrap();
+    let ends: Vec<f64> = range.split(", ").map(|v| v.parse().unwrap()).collect();
+    assert_relative_eq!(ends[0], 0.9 * 14.4, max_relative = 1e-3);
+    assert_relative_eq!(ends[1], 1.1 * 14.4, max_relative = 1e-3);
+    assert_relative_eq!(number(&text(&base, &["--to", "unitree"]), " Y1="), 14.4, max_relative = 1e-9);
+    assert_relative_eq!(number(&text(&base, &["--to", "ros2_control"]), "<mechanical_reduction"), -15.0);
+    // Isaac Lab's function would set viscous friction with friction: no range of it is written.
+    let lab = text(&base, &["--to", "isaaclab2", "--ranges"]);
+    assert!(
+        !lab.contains("friction_distribution_params\"") && lab.contains("friction has no range in the code"),
+        "{lab}"
+    );
+}
+
+/// A module whose curve ends upright before the speed without load keeps its torque under `--line below`.
+#[test]
+fn a_line_below_keeps_the_torque_of_a_module() {
+    let folder = tempfile::tempdir().unwrap();
+    let robot = "name = \"x\"\nbus = { voltage = \"48 V\" }\n[[joint]]\nname = \"j\"\nmodules = [\"*\"]\n\
+                 points = [ { torque = \"0.1 N*m\", speed = \"1 rad/s\", duration = \"1 s\" } ]\n";
+    let robot = write(folder.path(), "robot.toml", robot);
+    let base = ["export", "robstride-rs04", &robot].map(String::from);
+    let output = run(&base, &["--to", "json"]);
+    let line = serde_json::from_slice::<Value>(&output.stdout).unwrap()["joints"][0]["line_below"].clone();
+    assert!(line["effort_nm"].as_f64().unwrap() > 110.0, "{line}");
+    assert!(line["excess_nm"].as_f64().unwrap() < 1e-6, "{line}");
+}
+
+/// At standstill the voltage drives no more than it does through the hot winding and what is in series with it.
+#[test]
+fn a_torque_that_the_voltage_ends_is_that_of_the_hot_winding() {
+    let folder = tempfile::tempdir().unwrap();
+    let base = example(folder.path(), "knee", "");
+    let set = ["--set", "bus.voltage=6 V", "--set", "bus.drive_phase_resistance=0.5 ohm"];
+    let output = run(&base, &[&["--to", "json"], &set[..]].concat());
+    let joint = serde_json::from_slice::<Value>(&output.stdout).unwrap()["joints"][0].clone();
+    let hot = 0.5 * (1.0 + 0.00393 / (1.0 + 0.00393 * 5.0) * 95.0);
+    let expected = 10.0 * 0.1 * (6.0 / 2.0_f64.sqrt()) / (hot + 0.5);
+    assert_relative_eq!(joint["effort_nm"].as_f64().unwrap(), expected, max_relative = 1e-9);
+    assert_eq!(joint["effort_by"], "voltage at standstill");
+    // While the load drives, the current counts alone.
+    assert_relative_eq!(joint["braking_effort_nm"].as_f64().unwrap(), 20.0, max_relative = 1e-9);
 }

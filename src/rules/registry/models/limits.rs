@@ -36,7 +36,7 @@ fn effort_above_peak(facts: &ModelFacts, k: usize) -> Judgement {
     let share = facts.file.tolerances.limits;
     if let Some(before) = hardware.before_loss.as_ref().filter(|b| within(effort.value, b.value, share)) {
         let message = format!(
-            "{} is the peak torque before the gear's loss; {} N*m reach a load that the motor drives",
+            "{} is, within the tolerance, the peak torque before the gear's loss; {} N*m reach a load that the motor drives",
             stated_as(effort),
             number(peak.value)
         );
