@@ -63,7 +63,9 @@ fn effects_of_the_shaft_form_agree_with_their_basis() {
 
 /// Words that are the name of an effect and something else too, with the places where they are that: columns of a row,
 /// a limit, a channel of a log, a key of a file.
-const OTHER_MEANINGS: [(&str, &[&str]); 5] = [
+const OTHER_MEANINGS: [(&str, &[&str]); 6] = [
+    // The key of a simulator, and a row of a table.
+    ("cogging", &["design/simulated/facts.rs", "report/export/"]),
     (
         "viscous_friction",
         &[
@@ -75,6 +77,7 @@ const OTHER_MEANINGS: [(&str, &[&str]); 5] = [
             "measured/fitted.rs",
             "measured/read/",
             "pages/formats.rs",
+            "report/export/isaaclab.rs",
             "report/fitted.rs",
         ],
     ),
@@ -110,6 +113,7 @@ const OTHER_MEANINGS: [(&str, &[&str]); 5] = [
         &[
             "catalog/gear.rs",
             "design/families.rs",
+            "design/simulated/facts.rs",
             "pages/formats.rs",
             "report/catalog/card.rs",
             "requirement/gear.rs",
