@@ -9,7 +9,7 @@ use gearwise::design::robot::peak_power;
 use gearwise::motion::{Lasting, Often};
 use gearwise::requirement::*;
 
-use crate::cases::cases;
+use crate::cases::quarter;
 use crate::common;
 use crate::raw::{Case, draw, golden};
 use crate::solved;
@@ -144,7 +144,7 @@ fn scan(both: &Both) -> (f64, f64) {
 #[test]
 fn the_best_ratio_over_all_cases_is_that_of_a_scan() {
     let (mut solved_alike, mut refused_alike) = (0, 0);
-    for index in cases(0, 240) {
+    for index in quarter(0, 240) {
         let Some(both) = Both::draw(index, index % 2 == 0) else { continue };
         let (best, least) = scan(&both);
         match solved::solve(both.motor(), &both.robot) {
@@ -189,7 +189,7 @@ fn the_best_ratio_over_all_cases_is_that_of_a_scan() {
 #[test]
 fn the_same_motion_twice_is_the_motion_once() {
     let mut compared = 0;
-    for index in cases(0, 120) {
+    for index in quarter(0, 120) {
         let case = draw(index, true);
         let mut robot = case.robot.clone();
         let motion = robot.joints[0].motion.as_ref().clone();

@@ -176,7 +176,7 @@ fn is_at_most(share: Share, bound: f64) -> bool {
 
 #[test]
 fn a_tenth_of_the_score() {
-    let table = run_all(&crate::cases::cases(SMALL.0, SMALL.1).collect::<Vec<u64>>());
+    let table = run_all(&crate::cases::quarter(SMALL.0, SMALL.1).collect::<Vec<u64>>());
     let text = table.markdown();
     assert!(table.panicked.is_empty(), "seeds that panicked: {:?}", table.panicked);
     assert!(is_at_least(table.right(), TODAY.right), "{text}");
