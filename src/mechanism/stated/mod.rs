@@ -12,11 +12,12 @@ mod write;
 
 pub use write::{Change, Written};
 
+use std::collections::HashSet;
 use std::ops::Range as Span;
 use std::path::Path;
 use std::sync::Arc;
 
-use super::xml::{Sheet, span};
+use super::xml::{El, Sheet, span};
 use crate::input::kind::{self, FileKind};
 use crate::input::{InputError, Problem, Source};
 
@@ -143,6 +144,19 @@ impl Joint {
     fn blank(name: &str, span: Span<usize>, turns: bool) -> Joint {
         let (stated, blank) = (Vec::new(), Vec::new());
         Joint { name: name.into(), span, turns, is_passive: false, parent: None, stated, blank }
+    }
+
+    /// A joint that turns or slides by its `type`, as URDF and SDFormat name it; `None` of others, and of one without a name.
+    fn of_type(sheet: &Sheet, node: El, names: &mut HashSet<String>) -> Option<Joint> {
+        let turns = match node.attribute("type")? {
+            "revolute" | "continuous" => true,
+            "prismatic" => false,
+            _ => return None,
+        };
+        let name = sheet.required(node, "name")?;
+        sheet.unique(node, "joints", name, names);
+        let at = node.attribute_node("name").map_or_else(|| span(node), |a| a.range_value());
+        Some(Joint::blank(name, at, turns))
     }
 
     /// What counts of a quantity: the least effort, else the only value.

@@ -27,16 +27,8 @@ pub(super) fn read(sheet: &Sheet, root: El) -> Model {
             model.links.push(Link { name: name.into(), mass });
         }
         for node in children(of).filter(|n| n.has_tag_name("joint")) {
-            let turns = match node.attribute("type") {
-                Some("revolute" | "continuous") => true,
-                Some("prismatic") => false,
-                _ => continue,
-            };
-            let Some(name) = sheet.required(node, "name") else { continue };
-            sheet.unique(node, "joints", name, &mut names);
+            let Some(mut joint) = Joint::of_type(sheet, node, &mut names) else { continue };
             let parent = child(node, "parent").and_then(|p| links.get(p.text()?.trim()).copied());
-            let at = node.attribute_node("name").map_or_else(|| span(node), |a| a.range_value());
-            let mut joint = Joint::blank(name, at, turns);
             joint.is_passive = child(node, "axis").and_then(|axis| child(axis, "mimic")).is_some();
             joint.parent = parent;
             if let Some(axis) = child(node, "axis") {

@@ -19,17 +19,9 @@ pub(super) fn read(sheet: &Sheet, root: El) -> Model {
     }
     let mut names = HashSet::new();
     for node in children(root).filter(|n| n.has_tag_name("joint")) {
-        let turns = match node.attribute("type") {
-            Some("revolute" | "continuous") => true,
-            Some("prismatic") => false,
-            _ => continue,
-        };
-        let Some(name) = sheet.required(node, "name") else { continue };
-        sheet.unique(node, "joints", name, &mut names);
+        let Some(mut joint) = Joint::of_type(sheet, node, &mut names) else { continue };
         let child = |tag: &str| children(node).find(|c| c.has_tag_name(tag));
         let parent = child("parent").and_then(|p| links.get(p.attribute("link")?).copied());
-        let at = node.attribute_node("name").map_or_else(|| span(node), |a| a.range_value());
-        let mut joint = Joint::blank(name, at, turns);
         joint.is_passive = child("mimic").is_some();
         joint.parent = parent;
         for (tag, attributes) in [
