@@ -23,11 +23,12 @@
 //! * [`hardware`]: what is bought for the joints of a robot model, in numbers at the joint.
 //! * [`rules`]: design rules as data, rules files, the lock of the rows a design uses.
 //! * [`report`]: tables, JSON, CSV, pictures, fitted actuators.
+//! * [`ask`]: one function for each question, and answers that own what they speak of.
 //! * [`study`]: many robots in one go, with a journal of what is finished.
 //! * [`pages`]: the pages of docs/ that are made from the registries.
 //! * [`cli`]: one file for each command.
 //!
-//! What is promised is what these pages show. `output` is the crate's own; `words`, `numerics`, `report`, `study` and
+//! What is promised is what these pages show. `output` is the crate's own; `words`, `numerics`, `report`, `ask`, `study` and
 //! `pages` can be reached, because the program, its tests and examples need them, and may change with any version.
 //!
 //! ```
@@ -41,6 +42,9 @@
 //! ```
 
 pub mod actuator;
+#[cfg(feature = "report")]
+#[doc(hidden)]
+pub mod ask;
 pub mod catalog;
 #[cfg(feature = "cli")]
 pub mod cli;

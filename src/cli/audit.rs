@@ -4,11 +4,10 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::{Call, Done, Failure, Html, Output};
+use crate::ask::Answer;
+use crate::ask::audit::audit;
 use crate::catalog::Catalog;
 use crate::catalog::against::against;
-use crate::catalog::audit::audit;
-use crate::report::audit as report;
-use crate::report::html;
 
 /// Arguments of the command.
 #[derive(Debug, Args)]
@@ -56,14 +55,9 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
         );
         return Ok(Done { text, satisfied: found.apart.is_empty() && found.compared > 0 });
     }
-    let findings = audit(&catalog);
-    arguments.html.write(call, || catalog.files(), || html::audit::page(&catalog, &findings))?;
-    let text = arguments.output.choose(
-        || report::text(&catalog, &findings),
-        || crate::report::json::motors::audited(&catalog, &findings),
-        || report::csv(&findings),
-    );
-    Ok(Done { text, satisfied: report::broken(&findings) == 0 })
+    let audited = audit(catalog);
+    arguments.html.write_page(call, &audited)?;
+    Ok(arguments.output.done(&audited, || audited.text()))
 }
 
 fn has(catalog: &Catalog, id: &str) -> bool {

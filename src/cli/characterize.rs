@@ -3,10 +3,11 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{Call, CatalogPaths, Done, Failure, Html, Output};
-use crate::measured::{characterize, read};
+use crate::ask::characterize::characterize;
+use crate::measured::read;
 use crate::output;
-use crate::report::plot::{self, Format, characterize as pictures};
-use crate::report::{characterize as report, html, json};
+use crate::report::characterize as report;
+use crate::report::plot::Format;
 
 /// Arguments of the command.
 #[derive(Debug, Args)]
@@ -45,17 +46,16 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
         paths => Some(super::catalog(paths)?),
     };
     let bench = read::read_for_row(&arguments.bench, catalog)?;
-    let result = characterize::characterize(&bench)
-        .map_err(|why| Failure::Argument(format!("{}: {why}", arguments.bench.display())))?;
+    let answer = characterize(bench)?;
     let mut written = Vec::new();
     let mut satisfied = true;
     if let Some(path) = &arguments.plot {
-        plot::write(&pictures::figure(&bench, &result), path).map_err(Failure::Argument)?;
+        super::draw_plot(Some(path), &answer)?;
         written.push(format!("The tests are drawn in {}.", path.display()));
     }
-    arguments.html.write(call, || bench.files.clone(), || html::characterize::page(&bench, &result))?;
+    arguments.html.write_page(call, &answer)?;
     if let Some(path) = &arguments.write {
-        match report::row_csv(&result.row) {
+        match report::row_csv(&answer.result.row) {
             Ok(text) => {
                 output::write_whole(path, text.as_bytes()).map_err(Failure::Argument)?;
                 written.push(format!("The row is in {}.", path.display()));
@@ -66,10 +66,6 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
             }
         }
     }
-    let text = arguments.output.choose(
-        || report::text(&bench, &result, &written),
-        || json::characterize::json(&bench, &result),
-        || report::csv(&result),
-    );
-    Ok(Done { text, satisfied })
+    let done = arguments.output.done(&answer, || answer.text_of(&written));
+    Ok(Done { satisfied, ..done })
 }

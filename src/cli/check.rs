@@ -4,16 +4,14 @@ use std::sync::Arc;
 use clap::Args;
 
 use super::{Call, CatalogChoice, Done, Failure, Html, Set};
-use crate::catalog::Catalog;
+use crate::ask::Answer;
+use crate::ask::check::{self, Inputs};
 use crate::input::{InputError, Problem, Source};
 use crate::output;
-use crate::report::check::{Checked, github, input, junit, sarif, text};
-use crate::report::html;
+use crate::report::check::{Checked, github, input, junit, sarif};
 use crate::report::json_text;
 use crate::requirement::DesignFile;
-use crate::rules::Report;
-use crate::rules::file::{RulesFile, read};
-use crate::rules::lock::{Lock, path_of};
+use crate::rules::lock::path_of;
 
 /// Arguments of the command.
 #[derive(Debug, Args)]
@@ -135,89 +133,54 @@ impl Forms {
 
 pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     arguments.html.check()?;
-    let inputs = arguments.forms.reported("check", &arguments.design, Inputs::read(arguments))?;
-    let Inputs { design, catalog, rules, lock_path, lock, .. } = &inputs;
-    let report = crate::rules::check(design, catalog, rules, lock.as_ref(), lock_path).map_err(Failure::from);
-    let report = arguments.forms.reported("check", &arguments.design, report)?;
-    written(arguments, call, &inputs, &report)
+    let reported = |result| arguments.forms.reported("check", &arguments.design, result);
+    let (inputs, new_lock) = arguments.forms.reported("check", &arguments.design, read_inputs(arguments))?;
+    let lock_path = inputs.lock_path.clone();
+    let checked = reported(check::check(inputs, arguments.strict))?;
+    written(arguments, call, &checked, new_lock.map(|text| (lock_path, text)))
 }
 
-/// What is checked, and with what.
-struct Inputs {
-    design: DesignFile,
-    catalog: Catalog,
-    rules: RulesFile,
-    lock_path: PathBuf,
-    lock: Option<Arc<Source>>,
-    /// The text of a lock that is to be written.
-    new_lock: Option<String>,
-}
-
-impl Inputs {
-    fn read(arguments: &Arguments) -> Result<Inputs, Failure> {
-        let settings = arguments.set.settings()?;
-        if arguments.design.as_os_str() == Source::STDIN && (arguments.lock || arguments.update_lock) {
-            return Err(Failure::Argument("a lock is a file next to the design: give a file in place of `-`".into()));
-        }
-        let source = Source::argument(&arguments.design).map_err(|e| vec![e])?;
-        let mut design = DesignFile::read_set(&source, &settings)?;
-        let named = arguments.catalog.paths();
-        let paths = if named.is_empty() { &design.catalog } else { &named };
-        let catalog = super::with_named(
-            &design.robot,
-            arguments.catalog.prepared(super::catalog(paths)?),
-            design.motor_ids(),
-            arguments.catalog.complete(),
-        );
-        design.robot = crate::design::families::settle(design.robot, &catalog).map_err(Failure::Argument)?;
-        design.robot = super::balanced(&design.robot, &catalog, false)?;
-        let rules = match arguments.rules.as_ref().or(design.rules.as_ref()).or(design.robot.rules.as_ref()) {
-            Some(path) => read(path).map_err(|e| vec![e])?,
-            None => RulesFile::default(),
-        };
-        let lock_path = path_of(&arguments.design);
-        let new_lock = write_lock(arguments, &lock_path, &design, &catalog)?;
-        let lock = match &new_lock {
-            Some(text) => Some(Arc::new(Source::new(lock_path.display().to_string(), text.clone()))),
-            None if !source.is_stdin() && lock_path.exists() => Some(Source::read(&lock_path).map_err(|e| vec![e])?),
-            None => None,
-        };
-        Ok(Inputs { design, catalog, rules, lock_path, lock, new_lock })
+/// What is checked and with what; the text of a lock that is to be written.
+fn read_inputs(arguments: &Arguments) -> Result<(Inputs, Option<String>), Failure> {
+    let settings = arguments.set.settings()?;
+    if arguments.design.as_os_str() == Source::STDIN && (arguments.lock || arguments.update_lock) {
+        return Err(Failure::Argument("a lock is a file next to the design: give a file in place of `-`".into()));
     }
+    let source = Source::argument(&arguments.design).map_err(|e| vec![e])?;
+    let design = DesignFile::read_set(&source, &settings)?;
+    let named = arguments.catalog.paths();
+    let paths = if named.is_empty() { &design.catalog } else { &named };
+    let rows = arguments.catalog.prepared(super::catalog(paths)?);
+    let lock_path = path_of(&arguments.design);
+    let inputs = Inputs::new(design, &rows, arguments.rules.as_deref(), lock_path)?;
+    let lock_path = &inputs.lock_path;
+    // Where one is asked for again, or asked for and not there.
+    let new_lock = match arguments.update_lock || arguments.lock && !lock_path.exists() {
+        true => Some(inputs.new_lock()?),
+        false => None,
+    };
+    let lock = match &new_lock {
+        Some(text) => Some(Arc::new(Source::new(lock_path.display().to_string(), text.clone()))),
+        None if !source.is_stdin() && lock_path.exists() => Some(Source::read(lock_path).map_err(|e| vec![e])?),
+        None => None,
+    };
+    Ok((Inputs { lock, ..inputs }, new_lock))
 }
 
 /// Writes the report in each form that was asked for.
-fn written(arguments: &Arguments, call: &Call, inputs: &Inputs, report: &Report) -> Result<Done, Failure> {
-    let Inputs { design, catalog, rules, lock_path, lock, new_lock } = inputs;
-    let checked: Checked = report.into();
-    arguments.forms.write(&checked, arguments.strict)?;
-    let files = || {
-        let files = [Some(&design.source), Some(&design.requirement), rules.source.as_ref(), lock.as_ref()];
-        let files = files.into_iter().flatten().map(|source| source.file());
-        files.chain(design.robot.files()).chain(catalog.files()).collect()
-    };
-    arguments.html.write(call, files, || html::check::page(report, arguments.strict))?;
-    if let Some(text) = new_lock {
-        output::write_whole(lock_path, text.as_bytes()).map_err(Failure::Argument)?;
-        tell!("wrote {}", lock_path.display());
-    }
-    let json = || crate::report::json::check::json(report, arguments.strict);
-    let plain = || super::told_set(&design.robot) + &text::text(report, arguments.strict);
-    let text = arguments.forms.print(&checked, json, plain);
-    Ok(Done { text, satisfied: report.passes(arguments.strict) })
-}
-
-/// The text of a lock that is to be written: where one is asked for again, or asked for and not there.
-fn write_lock(
+fn written(
     arguments: &Arguments,
-    path: &Path,
-    design: &DesignFile,
-    catalog: &Catalog,
-) -> Result<Option<String>, Failure> {
-    let missing = arguments.lock && !path.exists();
-    if !arguments.update_lock && !missing {
-        return Ok(None);
+    call: &Call,
+    found: &check::Checked,
+    new_lock: Option<(PathBuf, String)>,
+) -> Result<Done, Failure> {
+    let checked: Checked = found.report().into();
+    arguments.forms.write(&checked, arguments.strict)?;
+    arguments.html.write_page(call, found)?;
+    if let Some((path, text)) = new_lock {
+        output::write_whole(&path, text.as_bytes()).map_err(Failure::Argument)?;
+        tell!("wrote {}", path.display());
     }
-    let choices = design.choices(catalog).map_err(|e| vec![e])?;
-    Ok(Some(Lock::of(design, &choices, catalog).to_toml()))
+    let text = arguments.forms.print(&checked, || found.json(), || found.text());
+    Ok(Done { text, satisfied: found.is_satisfied() })
 }

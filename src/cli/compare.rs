@@ -3,9 +3,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{Call, CatalogChoice, Done, Failure, Html};
-use crate::report::compare::{self as report, Comparison};
-use crate::report::html;
-use crate::report::plot::step as plot;
+use crate::ask::compare::compare;
 use crate::units;
 
 /// Arguments of the command.
@@ -51,17 +49,8 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     };
     arguments.html.check()?;
     super::check_plot(arguments.plot.as_ref())?;
-    let catalog = arguments.catalog.rows()?;
-    let ids = [arguments.a.clone(), arguments.b.clone()];
-    let catalog = catalog.with_modules(ids.iter(), arguments.catalog.complete());
-    let find = |id: &str| super::find_motor(&catalog, id);
-    let comparison = Comparison::new(find(&arguments.a)?, find(&arguments.b)?, inertia);
-    super::draw_plot(arguments.plot.as_ref(), || plot::figure(&comparison))?;
-    arguments.html.write(call, || catalog.files(), || html::compare::page(&comparison))?;
-    let text = if arguments.json {
-        crate::report::json_text(&crate::report::json::motors::compared(&comparison))
-    } else {
-        report::text(&comparison)
-    };
-    Ok(Done { text, satisfied: true })
+    let compared = compare(&arguments.catalog.rows()?, &arguments.a, &arguments.b, inertia)?;
+    super::draw_plot(arguments.plot.as_ref(), &compared)?;
+    arguments.html.write_page(call, &compared)?;
+    Ok(Done::of(&compared, arguments.json))
 }

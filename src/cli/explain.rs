@@ -2,12 +2,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::chosen::Chosen;
 use super::{Call, CatalogChoice, Done, Failure, Html, Set};
-use crate::design::explain::explain;
-use crate::report::explain as report;
-use crate::report::plot::design as plot;
-use crate::report::{html, json};
+use crate::ask::explain::explain;
 
 /// Arguments of the command.
 #[derive(Debug, Args)]
@@ -40,21 +36,8 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     arguments.html.check()?;
     super::check_plot(arguments.plot.as_ref())?;
     let robot = arguments.set.read(&arguments.requirement, None)?;
-    let named = std::iter::once(super::chosen::id(&arguments.design));
-    let catalog = super::with_named(&robot, arguments.catalog.rows()?, named, arguments.catalog.complete());
-    let robot = super::settled(robot, &catalog)?;
-    let robot = super::balanced(&robot, &catalog, false)?;
-    let joint = super::chosen::joint(&robot, arguments.joint.as_deref())?;
-    let Chosen { motor, gear, ratio } = super::chosen::design(&arguments.design, joint, &catalog)?;
-    let story = explain(&robot, joint, motor, gear, ratio).map_err(|why| {
-        Failure::Argument(format!("{} cannot be explained at this joint: {}", motor.id, why.reason()))
-    })?;
-    super::draw_plot(arguments.plot.as_ref(), || plot::explained(&robot, &story))?;
-    arguments.html.write(call, || [robot.files(), catalog.files()].concat(), || html::explain::page(&robot, &story))?;
-    let text = if arguments.json {
-        crate::report::json_text(&json::explain::json(&robot, &story))
-    } else {
-        super::told_set(&robot) + &report::text(&story)
-    };
-    Ok(Done { text, satisfied: story.is_choice() })
+    let explained = explain(robot, &arguments.catalog.rows()?, &arguments.design, arguments.joint.as_deref())?;
+    super::draw_plot(arguments.plot.as_ref(), &explained)?;
+    arguments.html.write_page(call, &explained)?;
+    Ok(Done::of(&explained, arguments.json))
 }

@@ -14,7 +14,6 @@ mod catalog;
 mod characterize;
 mod check;
 mod check_model;
-mod chosen;
 mod compare;
 mod completions;
 mod docs;
@@ -32,9 +31,7 @@ mod rule;
 mod study;
 mod sweep;
 mod torques;
-mod written;
 
-use std::borrow::Cow;
 use std::ffi::OsString;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -42,13 +39,11 @@ use std::process::ExitCode;
 
 use clap::{Args, CommandFactory, Parser, Subcommand};
 
-use crate::actuator::estimate::{complete, completed_module};
-use crate::catalog::{BUILTIN_WORD, Catalog, Motor};
-use crate::design::options::{Options, Stopped};
-use crate::design::robot::NoChoice;
-use crate::input::{InputError, InputFile, Source, tame};
+use crate::ask::{Answer, Failure, Rows};
+use crate::catalog::{BUILTIN_WORD, Catalog};
+use crate::input::{InputFile, Source, tame};
 use crate::report::html;
-use crate::report::plot::{self, Figure};
+use crate::report::plot;
 use crate::report::{table, tint};
 use crate::requirement::{Robot, Settings};
 use crate::units;
@@ -160,6 +155,12 @@ impl Output {
             text()
         }
     }
+
+    /// An answer in the form that was asked for, with this text for people.
+    fn done(&self, answer: &dyn Answer, text: impl FnOnce() -> String) -> Done {
+        let text = self.choose(text, || answer.json(), || answer.csv());
+        Done { text, satisfied: answer.is_satisfied() }
+    }
 }
 
 /// Which catalogue is used.
@@ -180,37 +181,9 @@ struct CatalogChoice {
 }
 
 impl CatalogChoice {
-    /// The catalogue that one chooses from at a robot's joints: each motor once, what its rows lack estimated, with the windings and
-    /// the modules that it asks for.
-    fn for_robot(&self, robot: &Robot) -> Result<Catalog, Failure> {
-        let catalog = self.with_modules(self.rows()?.with_turns(&robot.listed_turns()), robot);
-        if !catalog.motors.is_empty() {
-            return Ok(catalog);
-        }
-        Err(Failure::Argument(match catalog.aside.is_empty() {
-            true => "the catalogue has no motors".into(),
-            false => "all motors of the catalogue are only sold inside modules; `--also-inside-modules` takes them"
-                .to_string(),
-        }))
-    }
-
-    /// The catalogue that one chooses from, which has at least one motor or one module.
-    fn rows(&self) -> Result<Catalog, Failure> {
-        let catalog = self.prepared(catalog(&self.paths())?);
-        match catalog.modules.is_empty() && catalog.motors.is_empty() && catalog.aside.is_empty() {
-            true => Err(Failure::Argument("the catalogue has no motors and no modules".into())),
-            false => Ok(catalog),
-        }
-    }
-
-    /// A catalogue with the modules that a robot asks for among its motors.
-    fn with_modules(&self, catalog: Catalog, robot: &Robot) -> Catalog {
-        catalog.with_modules(robot.modules(), self.complete())
-    }
-
-    /// What fills what a module's row lacks.
-    fn complete(&self) -> fn(Motor) -> Motor {
-        if self.no_estimates { |module| module } else { completed_module }
+    /// The rows that one chooses from, of which there is at least one.
+    fn rows(&self) -> Result<Rows, Failure> {
+        self.prepared(catalog(&self.paths())?).some()
     }
 
     /// The paths that are named; none for the built-in catalogue alone.
@@ -222,9 +195,8 @@ impl CatalogChoice {
     }
 
     /// A catalogue as one chooses from it.
-    fn prepared(&self, catalog: Catalog) -> Catalog {
-        let free = catalog.free(self.also_inside_modules);
-        if self.no_estimates { free } else { complete(free) }
+    fn prepared(&self, catalog: Catalog) -> Rows {
+        Rows::new(catalog, !self.no_estimates, self.also_inside_modules)
     }
 }
 
@@ -251,15 +223,6 @@ impl Set {
     }
 }
 
-/// What was put in the place of a requirement's own values, as a line of text; nothing where nothing was.
-fn told_set(robot: &Robot) -> String {
-    if robot.set.is_empty() {
-        return String::new();
-    }
-    let set: Vec<String> = robot.set.iter().map(|(key, value)| format!("{key} = {value}")).collect();
-    table::paragraph(&format!("Set: {}", set.join(", ")), 0, 2)
-}
-
 /// Catalogue files.
 #[derive(Debug, Args)]
 struct CatalogPaths {
@@ -274,35 +237,11 @@ struct Done {
     satisfied: bool,
 }
 
-/// Why a command could not do its work; exit status 2.
-#[derive(Debug)]
-enum Failure {
-    /// Mistakes in input files.
-    Input(Vec<InputError>),
-    /// A mistake in the arguments.
-    Argument(String),
-    /// It was stopped; exit status 130.
-    Interrupted(String),
-}
-
-impl From<Vec<InputError>> for Failure {
-    fn from(errors: Vec<InputError>) -> Failure {
-        Failure::Input(errors)
-    }
-}
-
-impl From<Stopped> for Failure {
-    fn from(_: Stopped) -> Failure {
-        Failure::Interrupted("stopped".into())
-    }
-}
-
-impl From<NoChoice> for Failure {
-    fn from(why: NoChoice) -> Failure {
-        match why {
-            NoChoice::Stopped => Stopped.into(),
-            NoChoice::Cannot(why) => Failure::Argument(why),
-        }
+impl Done {
+    /// An answer as JSON or for people.
+    fn of(answer: &dyn Answer, json: bool) -> Done {
+        let text = if json { answer.json_text() } else { answer.text() };
+        Done { text, satisfied: answer.is_satisfied() }
     }
 }
 
@@ -311,44 +250,9 @@ fn catalog(paths: &[PathBuf]) -> Result<Catalog, Failure> {
     Ok(catalog)
 }
 
-/// A catalogue with at least one motor.
-fn motors(paths: &[PathBuf]) -> Result<Catalog, Failure> {
-    let catalog = catalog(paths)?;
-    if catalog.motors.is_empty() {
-        return Err(Failure::Argument("the catalogue has no motors".into()));
-    }
-    Ok(catalog)
-}
-
-/// The robot with the balanced objectives that its joints ask for.
-fn balanced(robot: &Robot, catalog: &Catalog, only_checked: bool) -> Result<Robot, Failure> {
-    Ok(crate::design::balance::balanced(robot, catalog, Options { only_checked, ..Options::default() })?)
-}
-
-/// The catalogue with the windings that are best where a joint has a range of turns.
-fn wound<'c>(robot: &mut Robot, catalog: &'c Catalog, only_checked: bool) -> Result<Cow<'c, Catalog>, Failure> {
-    crate::design::windings::wind(robot, catalog, only_checked).map_err(Failure::Argument)
-}
-
-/// The catalogue with the windings that joints list, and those that designs name.
-fn with_named<'i>(
-    robot: &Robot,
-    catalog: Catalog,
-    ids: impl Iterator<Item = &'i str>,
-    complete: fn(Motor) -> Motor,
-) -> Catalog {
-    let ids: Vec<String> = ids.map(str::to_string).collect();
-    let catalog = catalog.with_modules(robot.modules().chain(&ids), complete);
-    let ids = ids.iter().map(String::as_str);
-    let within = |turns: f64, (min, max): (f64, f64)| min <= turns && turns <= max;
-    let allow =
-        |turns: f64| robot.joints.iter().filter_map(|j| j.motors.turns.range()).any(|range| within(turns, range));
-    catalog.with_turns(&robot.listed_turns()).with_named(ids, allow)
-}
-
-/// The robot made ready for the catalogue, every pattern of which names a motor, a gear or a family of it.
-fn settled(robot: Robot, catalog: &Catalog) -> Result<Robot, Failure> {
-    crate::design::families::settled(robot, catalog).map_err(Failure::Argument)
+/// Says what an answer says beside itself.
+fn remark(answer: &dyn Answer) {
+    answer.remarks().iter().for_each(|remark| tell!("warning: {remark}"));
 }
 
 /// A picture's file name must be one before any work is done.
@@ -356,9 +260,12 @@ fn check_plot(path: Option<&PathBuf>) -> Result<(), Failure> {
     path.map_or(Ok(()), |p| plot::Format::of(p).map(|_| ()).map_err(Failure::Argument))
 }
 
-/// Draws the picture that was asked for.
-fn draw_plot(path: Option<&PathBuf>, figure: impl FnOnce() -> Figure) -> Result<(), Failure> {
-    path.map_or(Ok(()), |p| plot::write(&figure(), p).map_err(Failure::Argument))
+/// Draws the picture of an answer, where it was asked for and there is one.
+fn draw_plot(path: Option<&PathBuf>, answer: &dyn Answer) -> Result<(), Failure> {
+    match path.and_then(|path| Some((path, answer.figure()?))) {
+        Some((path, figure)) => plot::write(&figure, path).map_err(Failure::Argument),
+        None => Ok(()),
+    }
 }
 
 /// The page of a result, where one is asked for.
@@ -378,6 +285,12 @@ impl Html {
     /// Checks the file's name before any work is done.
     fn check(&self) -> Result<(), Failure> {
         self.html.as_deref().map_or(Ok(()), html::check).map_err(Failure::Argument)
+    }
+
+    /// Writes the page of an answer, where it was asked for.
+    fn write_page(&self, call: &Call, answer: &dyn Answer) -> Result<(), Failure> {
+        let Some(path) = &self.html else { return Ok(()) };
+        html::write(&answer.whole_page(&call.0), path).map_err(Failure::Argument)
     }
 
     /// Writes the page that was asked for, with how the program was called and which files the result rests on.
@@ -431,20 +344,6 @@ fn tolerance(text: Option<&str>) -> Result<Option<f64>, Failure> {
     }
 }
 
-/// The motor of the catalogue with this id.
-fn find_motor<'c>(catalog: &'c Catalog, id: &str) -> Result<&'c Motor, Failure> {
-    catalog.motor(id).map_err(|near| {
-        let help = match (catalog.near(id).as_slice(), near) {
-            ([], None) => "`gearwise catalog list` lists them, and `--also` adds a catalogue of your own".to_string(),
-            ([], Some(near)) => format!("did you mean `{near}`?"),
-            (some, _) => {
-                format!("did you mean {}?", some.iter().map(|n| format!("`{n}`")).collect::<Vec<_>>().join(" or "))
-            }
-        };
-        Failure::Argument(format!("there is no motor `{id}` in the catalogue; {help}"))
-    })
-}
-
 /// The name of an order, or of its mass-weighted form.
 fn metric_name(sort: &str, mass_weight: bool) -> Result<String, Failure> {
     match (mass_weight, sort) {
@@ -452,15 +351,6 @@ fn metric_name(sort: &str, mass_weight: bool) -> Result<String, Failure> {
         (true, "s_m" | "s_t") => Ok(format!("mass_{sort}")),
         (true, _) => Err(Failure::Argument("`--mass-weight` goes with `--sort s_m` or `--sort s_t`".into())),
     }
-}
-
-/// An order that does not exist, with the nearest that does.
-fn unknown_order<'a>(name: &str, names: impl Iterator<Item = &'a str> + Clone) -> Failure {
-    let help = match crate::words::nearest(name, names.clone()) {
-        Some(near) => format!("did you mean `{near}`?"),
-        None => format!("there are: {}", names.collect::<Vec<_>>().join(", ")),
-    };
-    Failure::Argument(format!("`--sort {name}` is not an order; {help}"))
 }
 
 /// What turns while a work of unknown size is done.

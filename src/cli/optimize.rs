@@ -1,28 +1,22 @@
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 
-use super::progress::Telling;
-use super::written::Ruled;
+use super::progress::{Counted, Telling};
 use super::{Call, CatalogChoice, Done, Failure, Html, Output, Set};
-use crate::design::optimize::optimize_with;
-use crate::design::options::Options;
-use crate::design::outlook::outlooks;
-use crate::design::pareto::fronts;
-use crate::design::robot::{self, choose};
-use crate::design::robust::{Taken, assume_tolerance, robust, take_alternatives};
+use crate::ask::optimize::{Asked, Names, Optimized, Ready, Rules, TOP, optimize};
+use crate::ask::robust::{robust, with_tolerances};
+use crate::ask::{Answer, Watch, pareto};
+use crate::design::robust::Taken;
 use crate::input::Source;
 use crate::output::write_whole;
-use crate::report::optimize as report;
-use crate::report::{html, json, pareto, plot, robot as robot_report, robust as robust_report, table};
-use crate::requirement::{Quantity, Robot};
+use crate::report;
+use crate::report::optimize::Shown;
+use crate::requirement::Robot;
 use crate::units;
-use crate::words::nearest;
-
-/// How many motors a joint's table shows where nobody says.
-const TOP: usize = 5;
 
 /// Arguments of the command.
 #[derive(Debug, Args)]
@@ -105,33 +99,6 @@ pub struct Arguments {
     output: Output,
 }
 
-/// Two or more different quantities, separated by commas.
-fn quantities(names: &str) -> Result<Vec<Quantity>, Failure> {
-    let wrong = |what: String| Err(Failure::Argument(format!("`--pareto {names}`: {what}")));
-    let all = || Quantity::NAMES.iter().map(|(name, _)| *name);
-    let mut quantities: Vec<Quantity> = Vec::new();
-    for (place, name) in names.split(',').map(str::trim).enumerate() {
-        let Some((_, quantity)) = Quantity::NAMES.iter().find(|(n, _)| *n == name) else {
-            let help = nearest(name, all()).map_or_else(
-                || format!("there are: {}", all().collect::<Vec<_>>().join(", ")),
-                |n| format!("did you mean `{n}`?"),
-            );
-            return wrong(match name {
-                "" => format!("name {} is empty; {help}", place + 1),
-                _ => format!("name {}, `{name}`, is not a quantity; {help}", place + 1),
-            });
-        };
-        if let Some(before) = quantities.iter().position(|q| q == quantity) {
-            return wrong(format!("names {} and {} are both `{name}`: give each quantity once", before + 1, place + 1));
-        }
-        quantities.push(*quantity);
-    }
-    match quantities.len() {
-        0 | 1 => wrong("a front takes two or more quantities, e.g. loss,mass,reflected_inertia".into()),
-        _ => Ok(quantities),
-    }
-}
-
 /// A design file names its files, and what is written is read again: standard input has no name.
 fn read_again(arguments: &Arguments, robot: &Robot) -> Result<(), Failure> {
     let stdin = |path: &Path| path.as_os_str() == Source::STDIN;
@@ -170,7 +137,10 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
         return super::over::run(over, arguments.points as usize, requirement, set, catalog, *only_checked, output);
     }
     arguments.html.check()?;
-    let quantities = arguments.pareto.as_deref().map(quantities).transpose()?;
+    let quantities = |names: &String| {
+        pareto::quantities(names.split(',')).map_err(|why| Failure::Argument(format!("`--pareto {names}`: {why}")))
+    };
+    let quantities = arguments.pareto.as_ref().map(quantities).transpose()?;
     super::check_plot(arguments.plot.as_ref())?;
     let no_springs = match (&arguments.pareto, arguments.robust) {
         (Some(_), _) => Some("`--pareto`"),
@@ -179,160 +149,121 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     };
     let robot = arguments.set.read(&arguments.requirement, no_springs)?;
     read_again(arguments, &robot)?;
-    let tolerance = super::tolerance(arguments.tolerance.as_deref())?;
+    let taken = Taken {
+        tolerance: super::tolerance(arguments.tolerance.as_deref())?,
+        alternatives: arguments.alternatives.is_some(),
+    };
     let limit = arguments.time_limit.as_deref().map(time_limit).transpose()?;
     if limit.is_some() && !robot.is_coupled() && !arguments.robot {
         let message =
             "`--time-limit` ends the search over a whole robot, and nothing couples these joints: give `--robot` too";
         return Err(Failure::Argument(message.into()));
     }
-    let mut catalog = arguments.catalog.for_robot(&robot)?;
-    if let Some(share) = tolerance {
-        assume_tolerance(&mut catalog.motors, share);
-    }
-    if arguments.alternatives.is_some() {
-        take_alternatives(&mut catalog);
-    }
-    let plain = super::settled(robot, &catalog)?;
-    let writes = arguments.write_design.is_some();
-    let mut ruled = Ruled::new(plain.clone(), arguments.rules.as_deref(), writes, arguments.no_rules)?;
-    ruled.robot = super::balanced(&ruled.robot, &catalog, arguments.only_checked)?;
-    if ruled.robot.has_range_of_turns() && (arguments.pareto.is_some() || arguments.robust || arguments.robot) {
-        let message = "a range of `turns` is not combined with `--pareto`, `--robust` or `--robot`; give a list, as in turns = [1, 0.5]";
-        return Err(Failure::Argument(message.into()));
-    }
-    let catalog = &*super::wound(&mut ruled.robot, &catalog, arguments.only_checked)?;
-    let robot = &ruled.robot;
-    if robot.is_coupled() && (arguments.pareto.is_some() || arguments.robust) {
-        tell!("warning: each joint is taken by itself here: budgets and `torque_per_mass` are not looked at");
-    }
+    let asked = arguments.asked(limit);
+    let catalog = with_tolerances(arguments.catalog.rows()?.for_robot(&robot)?, &taken);
+    let one_by_one = arguments.pareto.is_some() || arguments.robust || arguments.robot;
+    let ready = Ready::of(robot, catalog, &asked, one_by_one, &Watch::default())?;
     if let Some(quantities) = &quantities {
         let points = arguments.points as usize;
-        let options = Options { only_checked: arguments.only_checked, ..Options::default() };
-        let fronts = fronts(robot, catalog, quantities, points, options)?;
-        super::draw_plot(arguments.plot.as_ref(), || plot::pareto::figure(&fronts))?;
-        arguments.html.write(
-            call,
-            || [robot.files(), catalog.files()].concat(),
-            || html::pareto::page(robot, &fronts),
-        )?;
-        let satisfied = fronts.iter().all(|f| !f.points.is_empty());
-        let text = arguments.output.choose(
-            || {
-                super::told_set(robot)
-                    + &pareto::text(
-                        &fronts,
-                        if arguments.full { usize::MAX } else { arguments.top.unwrap_or(pareto::MOTORS) },
-                    )
-            },
-            || json::pareto::json(robot, &fronts),
-            || pareto::csv(&fronts),
-        );
-        return Ok(Done { text, satisfied });
+        let fronts = pareto::pareto(ready, quantities, points, arguments.only_checked, Watch::default())?;
+        let most = if arguments.full { usize::MAX } else { arguments.top.unwrap_or(report::pareto::MOTORS) };
+        return arguments.answered(call, &fronts, || fronts.text_of(most));
     }
-    let work = arguments.telling.counted(robot.joints.len() * catalog.motors.len(), "optimising");
-    let keep = arguments.only_top.map(|k| k as usize);
-    let search = Options { only_checked: arguments.only_checked, ..Options::default() };
-    let options = Options { keep, tick: &|| work.step(), ..search };
+    let work = Arc::new(arguments.telling.counted(ready.steps(), "optimising"));
     if arguments.robust {
-        let joints = robust(robot, catalog, options)?;
-        work.end();
-        let satisfied = joints.iter().all(|j| !j.designs.is_empty());
-        let inputs = || [robot.files(), catalog.files()].concat();
-        let taken = Taken { tolerance, alternatives: arguments.alternatives.is_some() };
-        arguments.html.write(call, inputs, || html::robust::page(robot, &joints))?;
-        let text = arguments.output.choose(
-            || super::told_set(robot) + &robust_report::text(robot, &joints, arguments.top.unwrap_or(TOP), &taken),
-            || json::robust::json(robot, &joints, &taken),
-            || robust_report::csv(&joints),
-        );
-        return Ok(Done { text, satisfied });
+        let watch = Watch { tick: Box::new(move || work.step()), ..Watch::default() };
+        let robust = robust(ready, taken, arguments.only_checked, watch)?;
+        return arguments.answered(call, &robust, || robust.text_of(arguments.top.unwrap_or(TOP)));
     }
-    let mut result = optimize_with(robot, catalog, options)?;
-    work.end();
-    let paths = arguments.catalog.paths();
-    let files = (catalog, paths.as_slice());
-    let target = arguments.write_design.as_deref();
-    let whole = robot.is_coupled() || arguments.robot;
-    let telling = if whole { arguments.telling } else { Telling { progress: false, quiet: true } };
-    // Rules that are no limit of the program are looked at on the first designs, and the next are tried.
-    let text = match !whole && (ruled.keeps() || target.is_some()) {
-        true => ruled.keep(&mut result, &arguments.requirement, files, target),
-        false => Ok(None),
-    };
-    super::draw_plot(arguments.plot.as_ref(), || plot::design::optimized(&result, catalog))?;
-    let shown = report::Shown {
-        top: keep.or(arguments.top).unwrap_or(TOP),
+    let whole = ready.robot().is_coupled() || arguments.robot;
+    let names = arguments.catalog.paths();
+    let names = Names { requirement: &arguments.requirement, catalog: &names };
+    let watch = arguments.watch(work, ready.robot().joints.len(), whole, limit);
+    let found = optimize(ready, &asked, names, watch)?;
+    super::draw_plot(arguments.plot.as_ref(), &found)?;
+    arguments.html.write_page(call, &found)?;
+    let kept = arguments.written(&found)?;
+    let top = arguments.only_top.map(|k| k as usize).or(arguments.top);
+    let shown = Shown {
+        top: top.unwrap_or(TOP),
         rejected: arguments.rejected,
         why: arguments.why || arguments.full,
-        full: arguments.full || arguments.top.is_some() || keep.is_some(),
+        full: arguments.full || top.is_some(),
     };
-    let with_front = arguments.why || arguments.full;
-    let outlooks = outlooks(&result, catalog, with_front, search)?;
-    let of_joints = telling.counted(robot.joints.len(), "the whole robot: joints");
-    let search = telling.search("the whole robot");
-    let begun = Instant::now();
-    let enough = || limit.is_some_and(|limit| begun.elapsed() >= limit);
-    let options = robot::Options {
-        enough: limit.map(|_| &enough as &(dyn Fn() -> bool + Sync)),
-        only_checked: arguments.only_checked,
-        runner_ups: arguments.runner_ups as usize,
-        tick: &|| of_joints.step(),
-        searched: &|branches, solved| search.at(branches, solved),
-        ..robot::Options::default()
-    };
-    let choice = whole.then(|| choose(robot, catalog, options)).transpose()?;
-    let took = limit.map(|_| begun.elapsed());
-    let told = choice.as_ref().filter(|_| arguments.output.is_text());
-    let of_rules = told.map(|whole| ruled.cost_of_robot(&plain, catalog, whole, options)).transpose()?;
-    of_joints.end();
-    search.end();
-    arguments.html.write(
-        call,
-        || [robot.files(), catalog.files()].concat(),
-        || html::optimize::page(&result, &outlooks, choice.as_ref(), catalog),
-    )?;
-    let text = match (&choice, target) {
-        (Some(whole), Some(path)) => ruled.whole(&result, whole, &arguments.requirement, files, path).map(Some),
-        _ => text,
-    };
-    let stays = |path: &Path| match path.exists() {
-        true => format!("; {} is left as it was", path.display()),
-        false => String::new(),
-    };
-    let mut kept = true;
-    match (text, target) {
-        (Ok(Some(text)), Some(path)) => {
-            write_whole(path, text.toml.as_bytes()).map_err(Failure::Argument)?;
-            text.costs.iter().for_each(|cost| tell!("{cost}"));
+    let done = arguments.output.done(&found, || found.text_of(shown));
+    Ok(Done { satisfied: done.satisfied && kept, ..done })
+}
+
+impl Arguments {
+    fn asked(&self, time_limit: Option<Duration>) -> Asked {
+        Asked {
+            only_checked: self.only_checked,
+            keep: self.only_top.map(|k| k as usize),
+            whole: self.robot,
+            runner_ups: self.runner_ups as usize,
+            with_front: self.why || self.full,
+            rules: match (&self.rules, self.no_rules) {
+                (_, true) => Rules::None,
+                (Some(path), _) => Rules::File(path.clone()),
+                (None, _) => Rules::OfRequirement,
+            },
+            design: self.write_design.clone(),
+            with_costs: self.output.is_text(),
+            time_limit,
         }
-        (Ok(None), Some(path)) => {
-            let without = report::without_choice(&result, "no").join("; ");
-            tell!("no design written: {without}{}", stays(path));
-            kept = false;
-        }
-        (Err(why), target) => {
-            match target {
-                Some(path) => tell!("no design written: {why}{}", stays(path)),
-                None => tell!("{why}"),
-            }
-            kept = false;
-        }
-        (Ok(_), None) => {}
     }
-    let costs = ruled.costs(&plain, catalog, &result)?;
-    let text = arguments.output.choose(
-        || {
-            let mut whole = choice.as_ref().map_or_else(String::new, |c| format!("\n{}", robot_report::text(c, took)));
-            if let Some(cost) = of_rules.iter().flatten().next() {
-                whole.push_str(&format!("\n{}", table::paragraph(cost, 0, 2)));
+
+    /// Who looks on: `work` is the search of the joints.
+    fn watch(&self, work: Arc<Counted>, joints: usize, whole: bool, limit: Option<Duration>) -> Watch {
+        let telling = if whole { self.telling } else { Telling { progress: false, quiet: true } };
+        let of_joints = Arc::new(telling.counted(joints, "the whole robot: joints"));
+        let search = telling.search("the whole robot");
+        let (each, first) = (of_joints, work.clone());
+        let begun = OnceLock::new();
+        Watch {
+            tick: Box::new(move || work.step()),
+            joint: Box::new(move || {
+                first.end();
+                each.step();
+            }),
+            searched: Box::new(move |branches, solved| search.at(branches, solved)),
+            enough: limit.map(|limit| {
+                // The time is that of the search over the whole robot, which asks.
+                let enough = move || begun.get_or_init(Instant::now).elapsed() >= limit;
+                Box::new(enough) as Box<dyn Fn() -> bool + Send + Sync>
+            }),
+            ..Watch::default()
+        }
+    }
+
+    /// An answer that is no choice, in the form that was asked for.
+    fn answered(&self, call: &Call, answer: &dyn Answer, text: impl FnOnce() -> String) -> Result<Done, Failure> {
+        super::remark(answer);
+        super::draw_plot(self.plot.as_ref(), answer)?;
+        self.html.write_page(call, answer)?;
+        Ok(self.output.done(answer, text))
+    }
+
+    /// Writes the design file that was asked for; whether there is none that should be.
+    fn written(&self, found: &Optimized) -> Result<bool, Failure> {
+        let stays = |path: &Path| match path.exists() {
+            true => format!("; {} is left as it was", path.display()),
+            false => String::new(),
+        };
+        match (&found.found().design, &self.write_design) {
+            (Ok(Some(text)), Some(path)) => {
+                write_whole(path, text.toml.as_bytes()).map_err(Failure::Argument)?;
+                text.costs.iter().for_each(|cost| tell!("{cost}"));
+                return Ok(true);
             }
-            let costs: String = costs.iter().map(|line| table::paragraph(line, 0, 2)).collect();
-            super::told_set(robot) + &costs + &report::text(&result, &outlooks, shown) + &whole
-        },
-        || json::optimize::json(&result, &outlooks, choice.as_ref()),
-        || report::csv(&result),
-    );
-    let satisfied = kept && choice.as_ref().map_or_else(|| result.satisfied(), |c| !c.combinations.is_empty());
-    Ok(Done { text, satisfied })
+            (Ok(None), Some(path)) => {
+                let without = report::optimize::without_choice(&found.found().result, "no").join("; ");
+                tell!("no design written: {without}{}", stays(path));
+            }
+            (Err(why), Some(path)) => tell!("no design written: {why}{}", stays(path)),
+            (Err(why), None) => tell!("{why}"),
+            (Ok(_), None) => return Ok(true),
+        }
+        Ok(false)
+    }
 }

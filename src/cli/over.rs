@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::{CatalogChoice, Done, Failure, Output, Set};
+use crate::ask::{settled, told_set};
 use crate::design::optimize::optimize_with;
 use crate::design::options::Options;
 use crate::design::over::{Found, Looked, search};
@@ -76,8 +77,8 @@ pub(super) fn run(
         let message = "`--search` compares one objective of all joints: give all the same, and none that is balanced";
         return Err(Failure::Argument(message.into()));
     }
-    let rows = catalog.for_robot(&plain)?;
-    let plain = super::settled(plain, &rows)?;
+    let rows = catalog.rows()?.for_robot(&plain)?;
+    let plain = settled(plain, &rows)?;
     let change = |value: f64| Settings::of_arguments(&[over.setting(value)]).map_err(Failure::Argument);
     let mut wrong = None;
     let look = |value: f64| -> Result<Looked, Failure> {
@@ -90,7 +91,7 @@ pub(super) fn run(
                 return Ok(Looked { value, found: Err(why) });
             }
         };
-        let robot = super::settled(robot, &rows)?;
+        let robot = settled(robot, &rows)?;
         let result = optimize_with(&robot, &rows, Options { only_checked, ..Options::default() })?;
         Ok(Looked { value, found: Ok(result.joints.iter().map(Found::new).collect()) })
     };
@@ -103,7 +104,7 @@ pub(super) fn run(
     let asked = Asked { key: over.key, unit: over.unit, points, objective: (name, unit) };
     let satisfied = crate::design::over::best(&all).is_some();
     let text = output.choose(
-        || super::told_set(&plain) + &over::text(&asked, &all),
+        || told_set(&plain) + &over::text(&asked, &all),
         || json::over::json(&asked, &all),
         || over::csv(&asked, &all),
     );

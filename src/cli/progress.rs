@@ -66,9 +66,22 @@ impl Counted {
         }
     }
 
+    /// What is called for each step that is done.
+    pub fn ticking(self) -> Box<dyn Fn() + Send + Sync> {
+        Box::new(move || self.step())
+    }
+}
+
+impl Counted {
     /// It is over.
     pub fn end(&self) {
         self.bar.finish_and_clear();
+    }
+}
+
+impl Drop for Counted {
+    fn drop(&mut self) {
+        self.end();
     }
 }
 
@@ -99,9 +112,10 @@ impl Search {
             tell!("{}: {branches} branches, {solved} combinations solved", self.what);
         }
     }
+}
 
-    /// It is over.
-    pub fn end(&self) {
+impl Drop for Search {
+    fn drop(&mut self) {
         self.bar.finish_and_clear();
     }
 }

@@ -3,10 +3,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{Call, Done, Failure, Html, Output};
-use crate::actuator::metrics::{METRICS, metric};
-use crate::report::html;
-use crate::report::plot::rank as plot;
-use crate::report::rank::{self as report, Ranking};
+use crate::ask::rank;
 
 /// Arguments of the command.
 #[derive(Debug, Args)]
@@ -45,21 +42,12 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     let name = super::metric_name(&arguments.sort, arguments.mass_weight)?;
-    let by = metric(&name).ok_or_else(|| super::unknown_order(&arguments.sort, METRICS.iter().map(|m| m.name)))?;
+    let by = rank::by(&name).map_err(|why| Failure::Argument(format!("`--sort`: {why}")))?;
     let tolerance = super::tolerance(arguments.tolerance.as_deref())?;
     arguments.html.check()?;
     super::check_plot(arguments.plot.as_ref())?;
-    let mut catalog = super::motors(&arguments.catalog)?.free(true).with_modules(arguments.modules.iter(), |m| m);
-    // A module without constants has no metric.
-    catalog.motors.retain(|motor| motor.torque_constant.is_finite());
-    let marked: Vec<_> = arguments.mark.iter().map(|id| super::find_motor(&catalog, id)).collect::<Result<_, _>>()?;
-    let ranking = Ranking::new(&catalog.motors, by, tolerance);
-    super::draw_plot(arguments.plot.as_ref(), || plot::figure(&ranking, &marked))?;
-    arguments.html.write(call, || catalog.files(), || html::rank::page(&ranking, &marked))?;
-    let text = arguments.output.choose(
-        || report::text(&ranking, arguments.top),
-        || crate::report::json::motors::ranked(&ranking),
-        || report::csv(&ranking),
-    );
-    Ok(Done { text, satisfied: true })
+    let ranked = rank::rank(super::catalog(&arguments.catalog)?, by, &arguments.modules, tolerance, &arguments.mark)?;
+    super::draw_plot(arguments.plot.as_ref(), &ranked)?;
+    arguments.html.write_page(call, &ranked)?;
+    Ok(arguments.output.done(&ranked, || ranked.text_of(arguments.top)))
 }

@@ -264,7 +264,7 @@ fn catalog(choice: &CatalogChoice, paths: &[PathBuf]) -> Result<(Catalog, Vec<Ha
         paths => Catalog::sources(paths).map_err(|(_, errors)| errors)?,
     };
     let files = sources.iter().map(|s| Hashed { file: s.name().to_string(), sha256: s.sha256() }).collect();
-    let catalog = choice.prepared(Catalog::from_sources(sources)?);
+    let catalog = choice.prepared(Catalog::from_sources(sources)?).into_catalog();
     if catalog.motors.is_empty() && catalog.modules.is_empty() {
         return Err(Failure::Argument("the catalogue has no motors and no modules".into()));
     }

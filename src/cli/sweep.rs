@@ -4,13 +4,8 @@ use clap::Args;
 
 use super::progress::Telling;
 use super::{Call, CatalogChoice, Done, Failure, Html, Output, Set};
-use crate::actuator::metrics::METRICS;
-use crate::design::options::Options;
-use crate::design::sweep::sweep_with;
-use crate::report::plot::sweep as plot;
-use crate::report::sweep::{self as report, Order};
-use crate::report::{html, json, table};
-use crate::requirement::{Joint, Quantity, RatioChoice};
+use crate::ask::Watch;
+use crate::ask::sweep::{self, Asked};
 
 /// Arguments of the command.
 #[derive(Debug, Args)]
@@ -53,70 +48,21 @@ pub struct Arguments {
     output: Output,
 }
 
-fn order(name: &str) -> Result<Order, Failure> {
-    match name {
-        "objective" => return Ok(Order::Objective),
-        "margin" => return Ok(Order::Margin),
-        _ => {}
-    }
-    // A motor's mass is a metric too; in a sweep the design's mass is meant.
-    if let Some((_, quantity)) = Quantity::NAMES.iter().find(|(n, _)| *n == name) {
-        return Ok(Order::Quantity(*quantity));
-    }
-    METRICS.iter().find(|m| m.name == name).map(Order::Metric).ok_or_else(|| {
-        let names = ["objective", "margin"]
-            .into_iter()
-            .chain(Quantity::NAMES.iter().map(|(n, _)| *n))
-            .chain(METRICS.iter().map(|m| m.name));
-        super::unknown_order(name, names)
-    })
-}
-
 pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     arguments.html.check()?;
     super::check_plot(arguments.plot.as_ref())?;
-    let order = order(&super::metric_name(&arguments.sort, arguments.mass_weight)?)?;
+    let name = super::metric_name(&arguments.sort, arguments.mass_weight)?;
+    let order = sweep::order(&name).map_err(|why| Failure::Argument(format!("`--sort`: {why}")))?;
     let robot = arguments.set.read(&arguments.requirement, Some("`sweep`"))?;
-    let catalog = arguments.catalog.for_robot(&robot)?;
-    let robot = super::settled(robot, &catalog)?;
-    let mut robot = super::balanced(&robot, &catalog, false)?;
-    let catalog = &*super::wound(&mut robot, &catalog, false)?;
-    let geared = |joint: &Joint| matches!(joint.ratio, RatioChoice::Catalog { .. });
-    if arguments.gears_per_motor.is_some() && !robot.joints.iter().any(geared) {
-        let why = "`--gears-per-motor`: no joint of the requirement takes gears of the catalogue";
-        return Err(Failure::Argument(why.into()));
-    }
-    let work = arguments.telling.counted(robot.joints.len() * catalog.motors.len(), "sweeping");
-    let options = Options { tick: &|| work.step(), ..Options::default() };
-    let mut sweeps = sweep_with(&robot, catalog, arguments.ratios as usize, options)?;
-    work.end();
-    let mut left_out = 0;
-    if let Some(most) = arguments.gears_per_motor {
-        left_out =
-            sweeps.iter_mut().filter(|s| geared(s.joint)).map(|s| report::first_gears(s, order, most as usize)).sum();
-    }
-    let fewer = match (left_out, arguments.gears_per_motor) {
-        (1.., Some(most)) => {
-            let line = format!("Only the first {most} of each motor's gears: {left_out} designs are left out.");
-            format!("\n{}", table::paragraph(&line, 0, 2))
-        }
-        _ => String::new(),
+    let asked = Asked {
+        ratios: arguments.ratios as usize,
+        order,
+        gears_per_motor: arguments.gears_per_motor.map(|most| most as usize),
     };
-    super::draw_plot(arguments.plot.as_ref(), || plot::figure(&sweeps))?;
-    arguments.html.write(
-        call,
-        || [robot.files(), catalog.files()].concat(),
-        || html::sweep::page(&robot, &sweeps, order),
-    )?;
-    let satisfied = sweeps.iter().all(|s| s.designs.iter().any(|d| d.is_choice()));
-    let text = arguments.output.choose(
-        || {
-            super::told_set(&robot)
-                + &report::text(&robot, &sweeps, order, arguments.top, arguments.infeasible)
-                + &fewer
-        },
-        || json::sweep::json(&robot, &sweeps, order),
-        || report::csv(&sweeps, order),
-    );
-    Ok(Done { text, satisfied })
+    let telling = arguments.telling;
+    let watch = |steps| Watch { tick: telling.counted(steps, "sweeping").ticking(), ..Watch::default() };
+    let swept = sweep::sweep(robot, &arguments.catalog.rows()?, asked, watch)?;
+    super::draw_plot(arguments.plot.as_ref(), &swept)?;
+    arguments.html.write_page(call, &swept)?;
+    Ok(arguments.output.done(&swept, || swept.text_of(arguments.top, arguments.infeasible)))
 }

@@ -332,6 +332,13 @@ impl<'a> Prepared<'a> {
         self.larger(ratio, |actuator, means| self.loss_of(actuator, means, ratio))
     }
 
+    /// Derivative of the mean of all losses by the ratio \[W\], at the end of the motor's drag where they are larger; `None` where the
+    /// motor has effects that are evaluated at each ratio, or is a module that does not say its loss.
+    pub fn loss_slope(&self, ratio: f64) -> Option<f64> {
+        let says_loss = self.candidate.motor.inside.as_deref().is_none_or(|inside| inside.says_loss());
+        (says_loss && !self.candidate.is_evaluated()).then(|| self.loss_cut(ratio).slope(ratio))
+    }
+
     /// How the cut of a mean at a ratio moves with the load along some directions, by the torque \[N·m\] that each adds to the samples of
     /// the motion, with power flowing through the gear and drawn from the bus as it is there. Of motors whose iron does not saturate.
     pub(super) fn mean_slopes(&self, quantity: Quantity, ratio: f64, along: &[Along]) -> Vec<Laurent> {

@@ -22,6 +22,8 @@ pub struct Change {
     at: Span<usize>,
     // Which of the files with changes both were written in.
     home: usize,
+    // Whether it is a value of a program, in which a bare number is SI.
+    of_values: bool,
 }
 
 impl Change {
@@ -34,13 +36,25 @@ impl Change {
     /// `joint.*.gear.efficiency` for all of a list. `text` is the value as TOML; both places are those in
     /// the file that they were written in.
     pub fn new(key: impl Into<String>, key_at: Span<usize>, text: impl Into<String>, at: Span<usize>) -> Change {
-        Change { key: key.into(), key_at, text: text.into(), at, home: 0 }
+        Change { key: key.into(), key_at, text: text.into(), at, home: 0, of_values: false }
     }
 
     /// The same change, written in one that is further down by `homes` in the list of files of [`Change::send_home`].
     #[must_use]
     pub fn written_after(self, homes: usize) -> Change {
         Change { home: self.home + homes, ..self }
+    }
+
+    /// The same, of values of a program ([`Source::of_values`]): a bare number is SI.
+    #[must_use]
+    pub fn of_values(self) -> Change {
+        Change { of_values: true, ..self }
+    }
+
+    /// Whether a span of a reading with changes is in a value of a program.
+    pub(super) fn is_of_values(span: &Span<usize>, changes: &[Change]) -> bool {
+        let Some(from) = span.start.checked_sub(Change::ELSEWHERE) else { return false };
+        changes.iter().any(|change| change.of_values && change.home == from / Change::APART)
     }
 
     /// A problem with the key, where it was written.

@@ -20,6 +20,8 @@ pub struct Form {
     problems: RefCell<Vec<Problem>>,
     // What is asked for, where that is written down.
     described: Option<RefCell<Description>>,
+    // Values that were put in the place of the file's own.
+    changes: Vec<Change>,
 }
 
 impl Form {
@@ -36,7 +38,12 @@ impl Form {
     /// missing or wrong in it does not matter.
     pub fn describe<T>(skeleton: &str, read: impl FnOnce(&Section) -> Option<T>) -> Description {
         let source = Arc::new(Source::new("skeleton.toml", skeleton));
-        let form = Form { source: source.clone(), problems: RefCell::default(), described: Some(RefCell::default()) };
+        let form = Form {
+            source: source.clone(),
+            problems: RefCell::default(),
+            described: Some(RefCell::default()),
+            changes: Vec::new(),
+        };
         let (table, errors) = DeTable::parse_recoverable(source.text());
         debug_assert!(errors.is_empty(), "the skeleton is TOML: {errors:?}");
         read(&form.root(table.get_ref()));
@@ -81,7 +88,9 @@ impl Form {
         changes: &[Change],
         read: impl FnOnce(&Section) -> Option<T>,
     ) -> Result<T, InputError> {
-        let form = Form { source: source.clone(), problems: RefCell::default(), described: None };
+        let (source, problems) = (source.clone(), RefCell::default());
+        let form = Form { source, problems, described: None, changes: changes.to_vec() };
+        let source = &form.source;
         let (mut table, errors) = DeTable::parse_recoverable(source.text());
         if errors.is_empty() {
             for change in changes {
@@ -116,6 +125,14 @@ impl Form {
             source: source.clone(),
             problems: vec![Problem::whole("the file could not be read")],
         })
+    }
+
+    /// Whether what stands there is a value of a program, in which a bare number is SI.
+    fn is_of_values(&self, span: &Span<usize>) -> bool {
+        match span.start < Change::ELSEWHERE {
+            true => self.source.is_of_values(),
+            false => Change::is_of_values(span, &self.changes),
+        }
     }
 
     fn note(&self, problem: Problem) {

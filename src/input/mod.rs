@@ -22,7 +22,7 @@ pub use describe::{Description, Key, KeyAsked, TableAsked, key};
 #[cfg(feature = "measured")]
 pub(crate) use file::{Opened, utf_16};
 pub use form::{Form, Section};
-pub use locate::{Step, locate};
+pub use locate::{Step, key_path, locate};
 #[cfg(feature = "report")]
 pub(crate) use source::tame;
 pub use source::{InputError, InputFile, Problem, Source, hex, sha256};

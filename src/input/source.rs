@@ -15,6 +15,7 @@ use hmac_sha256::Hash as Sha256;
 
 use super::file::{self, Opened};
 use super::limits;
+use super::locate::key_path;
 
 /// At most this many problems of one file are printed; the rest are counted.
 const MAX_SHOWN: usize = 50;
@@ -29,6 +30,8 @@ pub struct Source {
     marked: bool,
     // Of an excerpt: the number in the file of each of its lines. Empty where the text is the whole file.
     lines: Vec<usize>,
+    // Whether it is no file: values of a program, written down as TOML to be read like one.
+    of_values: bool,
 }
 
 /// A file that a result rests on.
@@ -117,7 +120,18 @@ impl Source {
         if marked {
             text.drain(..3);
         }
-        Source { path: PathBuf::from(&name), name, text, marked, lines: Vec::new() }
+        Source { path: PathBuf::from(&name), name, text, marked, lines: Vec::new(), of_values: false }
+    }
+
+    /// Values of a program, written down as TOML to be read by the readers of files. A bare number is SI, and a mistake
+    /// has the path of its key in place of a line.
+    pub fn of_values(name: impl Into<String>, text: impl Into<String>) -> Source {
+        Source { path: PathBuf::new(), of_values: true, ..Source::new(name, text) }
+    }
+
+    /// Whether it is values of a program, and no file.
+    pub fn is_of_values(&self) -> bool {
+        self.of_values
     }
 
     /// Some lines of a file that is too large to be kept, each with its number (from 1) and without line end.
@@ -162,6 +176,17 @@ impl Source {
         let before = &self.text[..byte.min(self.text.len())];
         let start = before.rfind('\n').map_or(0, |p| p + 1);
         (self.line_number(before.matches('\n').count()), before[start..].chars().count() + 1)
+    }
+
+    /// Where a problem is: line and column, or the path of its key in values of a program; empty for the whole.
+    pub fn place(&self, problem: &Problem) -> String {
+        let Some(span) = &problem.span else { return String::new() };
+        if self.of_values {
+            let path = key_path(self, span);
+            return if path.is_empty() { path } else { format!(" {path}") };
+        }
+        let (line, column) = self.position(span.start);
+        format!("{line}:{column}")
     }
 
     /// The number in the file of a line of the text (counted from 0).
@@ -317,11 +342,9 @@ impl fmt::Display for InputError {
                 let end = text[s.end.min(text.len())..].find('\n').map_or(text.len(), |p| s.end.min(text.len()) + p);
                 end - start > 600
             });
-            if long || problem.span.is_none() {
-                let place = problem.span.as_ref().map_or(String::new(), |s| {
-                    let (line, column) = self.source.position(s.start);
-                    format!(":{line}:{column}")
-                });
+            if long || problem.span.is_none() || self.source.of_values {
+                let place = self.source.place(problem);
+                let place = if place.is_empty() { place } else { format!(":{place}") };
                 writeln!(f, "error: {message}")?;
                 writeln!(f, "  ┌─ {name}{place}")?;
                 if !label.is_empty() {

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use toml::de::DeValue;
 
-use super::motions::FromDisk;
+use super::motions::{FromDisk, Motions};
 use super::read;
 use super::robot::Robot;
 use crate::input::{Change, InputError, Key, Problem, Section, Source, key};
@@ -76,6 +76,32 @@ impl Settings {
         Ok(Settings { homes: vec![Arc::new(Source::new(OPTION, text))], changes })
     }
 
+    /// Those of a program: keys, and values as TOML in which a bare number is SI. `name` is for messages.
+    ///
+    /// # Errors
+    /// In words: what is no path.
+    pub fn of_values<'v>(name: &str, values: impl IntoIterator<Item = (&'v str, String)>) -> Result<Settings, String> {
+        let (mut text, mut changes) = (String::new(), Vec::<Change>::new());
+        for (key, value) in values {
+            let odd = |c: char| c.is_control() || "\"\\".contains(c);
+            if key.split('.').any(|part| part.trim().is_empty() || part.contains(odd)) {
+                return Err(format!("{name}: `{key}` is not a path, as in bus.voltage"));
+            }
+            text.push('"');
+            let key_at = text.len()..text.len() + key.len();
+            text.push_str(key);
+            text.push_str("\" = ");
+            let value_at = text.len()..text.len() + value.len();
+            text.push_str(&value);
+            text.push('\n');
+            changes.push(Change::new(key, key_at, value, value_at).of_values());
+        }
+        if changes.is_empty() {
+            return Ok(Settings::default());
+        }
+        Ok(Settings { homes: vec![Arc::new(Source::of_values(name, text))], changes })
+    }
+
     /// Those of the table `set` of a design file; its keys are paths in quotes.
     pub(super) fn of_section(section: &Section) -> Settings {
         let text = section.source().text();
@@ -115,9 +141,22 @@ impl Settings {
     /// # Errors
     /// As [`super::read`]; mistakes of what is set stand where it was written.
     pub fn read(&self, source: &Arc<Source>, no_springs: Option<&str>) -> Result<Robot, Vec<InputError>> {
+        self.read_with(source, no_springs, &mut FromDisk::default())
+    }
+
+    /// As [`Settings::read`], with motions from a store.
+    ///
+    /// # Errors
+    /// As [`Settings::read`].
+    pub fn read_with(
+        &self,
+        source: &Arc<Source>,
+        no_springs: Option<&str>,
+        motions: &mut dyn Motions,
+    ) -> Result<Robot, Vec<InputError>> {
         let ([torque, speed], factors) = self.factors();
         let changes: Vec<Change> = self.changes.iter().filter(|c| !is_scale(c.key())).cloned().collect();
-        let robot = read::read_as(source, &changes, no_springs, &mut FromDisk::default());
+        let robot = read::read_as(source, &changes, no_springs, motions);
         let wrong = |problem: Problem| InputError { source: source.clone(), problems: vec![problem] };
         let mut robot = match (robot, factors.is_empty()) {
             (Ok(robot), true) => robot,

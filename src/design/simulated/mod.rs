@@ -5,10 +5,12 @@
 //! no place in that equation is listed with the reason, never dropped.
 
 mod facts;
+mod figures;
 mod line;
 pub mod spread;
 
 pub use facts::Fact;
+pub use figures::Figures;
 pub use line::Line;
 
 use crate::actuator::limits::{Candidate, hottest};

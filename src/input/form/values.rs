@@ -10,6 +10,9 @@ use super::super::{Key, Problem, Range, Stated, Words};
 use super::Section;
 use crate::units::{self, Kind};
 
+/// A temperature below this \[K\] that is given as a bare number was meant in another unit.
+const LEAST_KELVIN: f64 = 200.0;
+
 impl Section<'_> {
     /// A number without dimension in a range, if the key is there.
     pub fn number(&self, key: impl Into<Key>, range: Range) -> Option<f64> {
@@ -190,6 +193,17 @@ impl Section<'_> {
     fn read_quantity(&self, value: &Spanned<DeValue>, key: &str, kind: &'static Kind, range: Range) -> Option<f64> {
         let text = match value.get_ref() {
             DeValue::String(text) => text,
+            DeValue::Integer(_) | DeValue::Float(_) if self.form.is_of_values(&value.span()) => {
+                let number = self.read_number(value, key, range)?;
+                // The one number that is easily meant in another unit.
+                if kind.si == "K" && number < LEAST_KELVIN {
+                    let message = format!("{} is {number} K: a bare number is in kelvin", self.name(key));
+                    let problem = Problem::at(value.span(), message, format!("expected {}", kind.with_article()));
+                    self.form.note(problem.help(format!("did you mean \"{number} degC\"?")));
+                    return None;
+                }
+                return Some(number);
+            }
             DeValue::Integer(_) | DeValue::Float(_) => {
                 self.form.note(
                     Problem::at(

@@ -22,6 +22,7 @@ use crate::rules::lock::path_of;
 use crate::rules::{RULES, RulesFile, Severity, Test, check, file};
 
 /// The rules that a choice has to keep.
+#[derive(Debug)]
 pub struct Ruled {
     /// The robot with its limits tightened by them.
     pub robot: Robot,
@@ -61,14 +62,21 @@ impl Ruled {
     ///
     /// # Errors
     /// It was stopped.
-    pub fn costs(&self, plain: &Robot, catalog: &Catalog, result: &RobotResult) -> Result<Vec<String>, Failure> {
+    pub fn costs(
+        &self,
+        plain: &Robot,
+        catalog: &Catalog,
+        result: &RobotResult,
+        options: Options,
+    ) -> Result<Vec<String>, Failure> {
         if self.rules.is_none() {
             return Ok(Vec::new());
         }
         // By the same objective: what it is balanced from is found among designs that keep the rules.
         let mut plain = plain.clone();
         take_objectives(&mut plain, &self.robot);
-        let free = optimize_with(&plain, catalog, Options { keep: Some(1), reasons: false, ..Options::default() })?;
+        let options = Options { only_checked: false, keep: Some(1), reasons: false, ..options };
+        let free = optimize_with(&plain, catalog, options)?;
         let line = |(with, free): (&crate::design::JointResult, &crate::design::JointResult)| {
             let name = &with.joint.name;
             match (with.candidates.first(), free.candidates.first()) {

@@ -1,6 +1,7 @@
 //! A joint and a design as they are named on the command line.
 
-use super::{Failure, find_motor};
+use super::Failure;
+use super::rows::find_motor;
 use crate::catalog::{Catalog, Gear, Motor};
 use crate::requirement::{Joint, RatioChoice, Robot};
 use crate::words::nearest;

@@ -1,0 +1,285 @@
+//! Motors at given ratios, as arrays: for whoever searches by himself.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::rows::{Rows, find_motor};
+use super::{Failure, Watch, balanced, chosen, settled};
+use crate::actuator::limits::{LIMITS, Remark};
+use crate::catalog::{Catalog, Motor};
+use crate::design::judge::unjudged;
+use crate::design::{Evaluation, JointDemand, Mount, Prepared};
+use crate::requirement::{Joint, RatioChoice, Robot};
+use crate::words::nearest;
+
+/// Which limits are looked at.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Which {
+    /// All.
+    All,
+    /// All but temperature over the motion, which takes the longest by far.
+    Instant,
+    /// Those of these names.
+    Named(Vec<String>),
+}
+
+/// The limit that follows temperature over the motion.
+const OVER_TIME: &str = "winding_peak_temperature";
+
+impl Which {
+    fn has(&self, name: &str) -> bool {
+        match self {
+            Which::All => true,
+            Which::Instant => name != OVER_TIME,
+            Which::Named(names) => names.iter().any(|n| n == name),
+        }
+    }
+
+    /// That every name is one of a limit.
+    fn check(&self) -> Result<(), Failure> {
+        let Which::Named(names) = self else { return Ok(()) };
+        let all = || LIMITS.iter().map(|limit| limit.name);
+        match names.iter().find(|name| all().all(|limit| limit != **name)) {
+            None => Ok(()),
+            Some(wrong) => {
+                let help = nearest(wrong, all()).map_or_else(
+                    || format!("there are: {}", all().collect::<Vec<_>>().join(", ")),
+                    |near| format!("did you mean `{near}`?"),
+                );
+                Err(Failure::Argument(format!("`{wrong}` is not a limit; {help}")))
+            }
+        }
+    }
+}
+
+/// Designs as arrays over (motor, ratio), the ratio fastest. What is not known is NaN.
+#[derive(Debug, Clone, Default)]
+pub struct Evaluated {
+    /// Ids of the motors.
+    pub motors: Vec<String>,
+    /// Ratios, N.
+    pub ratio: Vec<f64>,
+    /// Motors that cannot be evaluated, with the reason; all their numbers are NaN.
+    pub unusable: Vec<(String, String)>,
+    /// What of its losses nobody knows, for each motor, in words: the loss has none of it.
+    pub unknown_losses: Vec<Vec<&'static str>>,
+    /// Whether the ratio is allowed and every limit that was looked at and could be checked is kept.
+    pub feasible: Vec<bool>,
+    /// Whether every limit that the requirement states, of those that were looked at, could be judged: a design is a choice
+    /// where it is feasible and judged.
+    pub judged: Vec<bool>,
+    /// Mean of all losses \[W\].
+    pub loss: Vec<f64>,
+    /// Derivative of the loss by the ratio \[W\]; NaN where the motor has effects that have no derivative in closed form.
+    pub loss_slope: Vec<f64>,
+    /// Largest q-axis current \[A\].
+    pub peak_current: Vec<f64>,
+    /// Root mean square of the q-axis current \[A\].
+    pub rms_current: Vec<f64>,
+    /// Mean electrical power at the motor's terminals \[W\].
+    pub mean_electrical_power: Vec<f64>,
+    /// Inertia at the output \[kg·m²\].
+    pub reflected_inertia: Vec<f64>,
+    /// Mass of motor and gear \[kg\].
+    pub mass: Vec<f64>,
+    /// The joint's objective, in its own unit.
+    pub objective: Vec<f64>,
+    /// Names of the limits, the third axis of the next two.
+    pub limits: Vec<&'static str>,
+    /// `1 − demand/bound` over (motor, ratio, limit); NaN where a limit is not asked, or could not be checked.
+    pub margin: Vec<f64>,
+    /// The sample of the motion that asks most of the limit; −1 where none does.
+    pub sample: Vec<i64>,
+}
+
+/// What is evaluated.
+#[derive(Debug, Clone)]
+pub struct Asked {
+    /// Ids of motors; `None` for all that the joint allows.
+    pub motors: Option<Vec<String>>,
+    /// Ratios, N.
+    pub ratios: Vec<f64>,
+    /// The joint; may be left out where there is only one.
+    pub joint: Option<String>,
+    /// Limits that are looked at.
+    pub limits: Which,
+}
+
+/// Evaluates motors at ratios.
+///
+/// # Errors
+/// Motors, joints and limits that are not there; ratios that are none; a joint that takes gears of the catalogue.
+pub fn evaluate(robot: &Robot, rows: &Rows, asked: &Asked, watch: &Watch) -> Result<Evaluated, Failure> {
+    asked.limits.check()?;
+    check_ratios(&asked.ratios)?;
+    let (robot, catalog) = ready(robot, rows, asked)?;
+    let joint = chosen::joint(&robot, asked.joint.as_deref())?;
+    if matches!(joint.ratio, RatioChoice::Catalog { .. }) {
+        let why = format!(
+            "joint `{}` takes gears of the catalogue, so that its ratios are theirs: `sweep` has each of them",
+            joint.name
+        );
+        return Err(Failure::Argument(why));
+    }
+    let motors = motors(&catalog, asked.motors.as_deref(), joint)?;
+    let demand = JointDemand::new(joint, &catalog);
+    let of_motor = |motor: &&Motor| -> Result<Row, Failure> {
+        if (watch.stop)() {
+            return Err(crate::design::options::Stopped.into());
+        }
+        let prepared = Mount::new(&robot, joint, &demand.load, motor).prepared();
+        let row = Row::new(prepared.map_err(|why| why.reason().to_string()), &robot, joint, asked);
+        (watch.tick)();
+        Ok(row)
+    };
+    let rows: Vec<Row> = match motors.len() {
+        1 => motors.iter().map(of_motor).collect::<Result<_, _>>()?,
+        _ => motors.par_iter().map(of_motor).collect::<Result<_, _>>()?,
+    };
+    Ok(gather(&motors, rows, asked))
+}
+
+/// That ratios are numbers above zero, and that there are some.
+pub(super) fn check_ratios(ratios: &[f64]) -> Result<(), Failure> {
+    if ratios.is_empty() {
+        return Err(Failure::Argument("there is no ratio to look at".into()));
+    }
+    match ratios.iter().find(|n| !(1e-6..=1e6).contains(*n)) {
+        Some(wrong) => Err(Failure::Argument(format!("{wrong} is not a ratio: expected numbers from 1e-6 to 1e6"))),
+        None => Ok(()),
+    }
+}
+
+/// The robot and the catalogue made ready for each other.
+fn ready(robot: &Robot, rows: &Rows, asked: &Asked) -> Result<(Robot, Arc<Catalog>), Failure> {
+    let ids = asked.motors.iter().flatten().map(String::as_str);
+    let named = asked.motors.iter().flatten().any(|id| rows.catalog().motors.iter().all(|motor| motor.id != *id));
+    let catalog = if named { rows.with_named(robot, ids) } else { rows.for_robot(robot)? };
+    let robot = settled(robot.clone(), &catalog)?;
+    let robot = balanced(&robot, &catalog, crate::design::Options::default())?;
+    Ok((robot, catalog))
+}
+
+/// The motors that are asked for.
+fn motors<'c>(catalog: &'c Catalog, ids: Option<&[String]>, joint: &Joint) -> Result<Vec<&'c Motor>, Failure> {
+    let found: Vec<&Motor> = match ids {
+        Some(ids) => ids.iter().map(|id| find_motor(catalog, id)).collect::<Result<_, _>>()?,
+        None => catalog.motors.iter().filter(|motor| joint.motors.allows(motor)).collect(),
+    };
+    match found.is_empty() {
+        true => Err(Failure::Argument("there is no motor to look at".into())),
+        false => Ok(found),
+    }
+}
+
+/// A motor at all ratios.
+struct Row {
+    unusable: Option<String>,
+    at: Vec<At>,
+}
+
+/// A motor at a ratio.
+struct At {
+    feasible: bool,
+    judged: bool,
+    evaluation: Evaluation,
+    objective: f64,
+    slope: f64,
+}
+
+impl Row {
+    fn new(prepared: Result<Prepared, String>, robot: &Robot, joint: &Joint, asked: &Asked) -> Row {
+        let mut prepared = match prepared {
+            Ok(prepared) => prepared,
+            Err(why) => return Row { unusable: Some(why), at: Vec::new() },
+        };
+        prepared.asked.retain(|limit| asked.limits.has(limit.limit.name));
+        let fixed = prepared.candidate.catalog_gear.map(|gear| gear.ratio);
+        let at = |ratio: &f64| {
+            let judged = |unchecked: Vec<Remark>| {
+                let looked: Vec<Remark> = unchecked.into_iter().filter(|(name, _)| asked.limits.has(name)).collect();
+                unjudged(robot, joint, &looked).is_empty()
+            };
+            // A module has the ratio of its gear alone.
+            let allowed = match fixed {
+                Some(own) => (ratio / own - 1.0).abs() < 1e-9,
+                None => joint.ratio.allows(*ratio),
+            };
+            let judged = judged(prepared.unchecked_at(*ratio));
+            let evaluation = prepared.at(*ratio);
+            let objective = evaluation.objective(&joint.objective).unwrap_or(f64::NAN);
+            let slope = prepared.loss_slope(*ratio).unwrap_or(f64::NAN);
+            At { feasible: evaluation.feasible && allowed, judged, evaluation, objective, slope }
+        };
+        Row { unusable: None, at: asked.ratios.iter().map(at).collect() }
+    }
+}
+
+fn gather(motors: &[&Motor], rows: Vec<Row>, asked: &Asked) -> Evaluated {
+    let there = |name: &str| {
+        let margins = rows.iter().flat_map(|row| &row.at).flat_map(|at| &at.evaluation.margins);
+        margins.into_iter().any(|margin| margin.limit == name)
+    };
+    let limits: Vec<&'static str> = LIMITS.iter().map(|limit| limit.name).filter(|name| there(name)).collect();
+    let mut all = Evaluated { ratio: asked.ratios.clone(), limits, ..Evaluated::default() };
+    for (motor, row) in motors.iter().zip(rows) {
+        all.motors.push(motor.id.clone());
+        if let Some(why) = row.unusable {
+            all.unusable.push((motor.id.clone(), why));
+            asked.ratios.iter().for_each(|_| all.push_nothing());
+        }
+        let unknown = row.at.first().map(|at| at.evaluation.unknown_losses.iter().map(|part| part.words()).collect());
+        all.unknown_losses.push(unknown.unwrap_or_default());
+        row.at.iter().for_each(|at| all.push(at));
+    }
+    all
+}
+
+impl Evaluated {
+    fn figures(&mut self) -> [&mut Vec<f64>; 8] {
+        [
+            &mut self.loss,
+            &mut self.loss_slope,
+            &mut self.peak_current,
+            &mut self.rms_current,
+            &mut self.mean_electrical_power,
+            &mut self.reflected_inertia,
+            &mut self.mass,
+            &mut self.objective,
+        ]
+    }
+
+    fn push_nothing(&mut self) {
+        self.feasible.push(false);
+        self.judged.push(false);
+        self.figures().into_iter().for_each(|figure| figure.push(f64::NAN));
+        let limits = self.limits.len();
+        self.margin.extend(std::iter::repeat_n(f64::NAN, limits));
+        self.sample.extend(std::iter::repeat_n(-1, limits));
+    }
+
+    fn push(&mut self, at: &At) {
+        let e = &at.evaluation;
+        self.feasible.push(at.feasible);
+        self.judged.push(at.judged);
+        let values = [
+            e.loss,
+            at.slope,
+            e.peak_current,
+            e.rms_current,
+            e.mean_power,
+            e.reflected_inertia,
+            e.mass.unwrap_or(f64::NAN),
+            at.objective,
+        ];
+        self.figures().into_iter().zip(values).for_each(|(figure, value)| figure.push(value));
+        for limit in &self.limits {
+            // Of a limit that is asked several times (of each actuator, at each end of the drag) the least margin counts.
+            let of = e.margins.iter().filter(|margin| margin.limit == *limit);
+            let least = of.reduce(|a, b| if b.margin < a.margin { b } else { a });
+            self.margin.push(least.map_or(f64::NAN, |m| m.margin));
+            self.sample.push(least.and_then(|m| m.sample).map_or(-1, |k| k as i64));
+        }
+    }
+}

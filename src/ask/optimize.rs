@@ -1,0 +1,285 @@
+//! The best motors and ratios of each joint.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use self_cell::self_cell;
+use serde_json::Value;
+
+use super::rows::{Rows, wound};
+use super::written::{DesignText, Ruled};
+use super::{Answer, Failure, Ground, Watch, balanced, settled};
+use crate::catalog::Catalog;
+use crate::design::answer::RobotResult;
+use crate::design::optimize::optimize_with;
+use crate::design::options::Options;
+use crate::design::outlook::{Outlook, outlooks};
+use crate::design::robot::{Choice, choose};
+use crate::input::InputFile;
+use crate::report::html::Page;
+use crate::report::optimize::{self as report, Shown};
+use crate::report::plot::{Figure, design as plot};
+use crate::report::{html, json, robot as robot_report, table};
+use crate::requirement::Robot;
+
+/// How many motors a joint's table shows where nobody says.
+pub const TOP: usize = 5;
+
+/// How the choice is made.
+#[derive(Debug, Clone, Default)]
+pub struct Asked {
+    /// Reject designs with a limit that cannot be checked.
+    pub only_checked: bool,
+    /// Only so many designs of each joint.
+    pub keep: Option<usize>,
+    /// The best combination for the whole robot, even where nothing couples the joints.
+    pub whole: bool,
+    /// How many further combinations of the whole robot.
+    pub runner_ups: usize,
+    /// Designs between the lightest and the least loss too.
+    pub with_front: bool,
+    /// The rules that are kept.
+    pub rules: Rules,
+    /// The design file that is made, where one is.
+    pub design: Option<PathBuf>,
+    /// Whether it is also said what rules cost a whole robot.
+    pub with_costs: bool,
+    /// What ends the search over the whole robot.
+    pub time_limit: Option<Duration>,
+}
+
+/// Which rules a choice has to keep.
+#[derive(Debug, Clone, Default)]
+pub enum Rules {
+    /// Those that the requirement names.
+    #[default]
+    OfRequirement,
+    /// Those of a file.
+    File(PathBuf),
+    /// None.
+    None,
+}
+
+/// By what names files are written into a design file.
+#[derive(Debug, Clone, Copy)]
+pub struct Names<'n> {
+    /// The requirement.
+    pub requirement: &'n Path,
+    /// Catalogue files; none for the built-in one.
+    pub catalog: &'n [PathBuf],
+}
+
+/// A robot and a catalogue that were made ready for each other.
+#[derive(Debug)]
+pub struct Ready {
+    /// The robot without rules.
+    plain: Robot,
+    /// The robot with the limits that rules add.
+    ruled: Ruled,
+    /// The catalogue.
+    catalog: Arc<Catalog>,
+}
+
+impl Ready {
+    /// Makes a robot and the rows of a catalogue ready. `one_by_one`: what is asked for does not go with a range of turns.
+    ///
+    /// # Errors
+    /// Mistakes in rules, patterns that name nothing, what does not go together.
+    pub fn new(robot: Robot, rows: &Rows, asked: &Asked, one_by_one: bool, watch: &Watch) -> Result<Ready, Failure> {
+        Ready::of(robot.clone(), rows.for_robot(&robot)?, asked, one_by_one, watch)
+    }
+
+    /// The same with the catalogue that is chosen from.
+    ///
+    /// # Errors
+    /// As [`Ready::new`].
+    pub fn of(
+        robot: Robot,
+        catalog: Arc<Catalog>,
+        asked: &Asked,
+        one_by_one: bool,
+        watch: &Watch,
+    ) -> Result<Ready, Failure> {
+        let plain = settled(robot, &catalog)?;
+        let (file, none) = match &asked.rules {
+            Rules::OfRequirement => (None, false),
+            Rules::File(path) => (Some(path.as_path()), false),
+            Rules::None => (None, true),
+        };
+        let mut ruled = Ruled::new(plain.clone(), file, asked.design.is_some(), none)?;
+        let options = Options { tick: &|| (), ..watch.options(asked.only_checked) };
+        ruled.robot = balanced(&ruled.robot, &catalog, options)?;
+        if ruled.robot.has_range_of_turns() && one_by_one {
+            let message = "a range of `turns` is not combined with a front, with tolerances or with the choice for a whole robot; give a list, as in turns = [1, 0.5]";
+            return Err(Failure::Argument(message.into()));
+        }
+        let catalog = wound(&mut ruled.robot, catalog, asked.only_checked)?;
+        Ok(Ready { plain, ruled, catalog })
+    }
+
+    /// The robot and the catalogue, for searches that know no rules beyond the limits that they add.
+    pub(super) fn ground(self, watch: Watch) -> Ground {
+        Ground { robot: self.ruled.robot, catalog: self.catalog, watch }
+    }
+
+    /// How many steps the search has: motors at joints.
+    pub fn steps(&self) -> usize {
+        self.ruled.robot.joints.len() * self.catalog.motors.len()
+    }
+
+    /// The robot with the limits that rules add.
+    pub fn robot(&self) -> &Robot {
+        &self.ruled.robot
+    }
+}
+
+/// What was found.
+#[derive(Debug)]
+pub struct Found<'a> {
+    /// Each joint.
+    pub result: RobotResult<'a>,
+    /// What is said of each joint's first choice.
+    pub outlooks: Vec<Outlook<'a>>,
+    /// The whole robot, where joints are coupled or it was asked for.
+    pub choice: Option<Choice<'a>>,
+    /// The design file that keeps the rules; `None` where none was asked for, or a joint has no design.
+    pub design: Result<Option<DesignText>, String>,
+    /// What the rules cost each joint.
+    costs: Vec<String>,
+    /// What they cost the whole robot.
+    costs_of_robot: Option<String>,
+    /// How long the whole robot took, where that was limited.
+    took: Option<Duration>,
+}
+
+self_cell!(
+    struct Cell {
+        owner: Ground,
+        #[covariant]
+        dependent: Found,
+    }
+    impl {Debug}
+);
+
+/// The choice for each joint of a robot.
+#[derive(Debug)]
+pub struct Optimized {
+    cell: Cell,
+    /// How many motors the text shows of a joint.
+    top: usize,
+}
+
+/// Chooses.
+///
+/// # Errors
+/// It was stopped, or the joints' objectives cannot be summed up.
+pub fn optimize(ready: Ready, asked: &Asked, names: Names, watch: Watch) -> Result<Optimized, Failure> {
+    let Ready { plain, ruled, catalog } = ready;
+    let ground = Ground { robot: ruled.robot.clone(), catalog, watch };
+    let cell = Cell::try_new(ground, |ground| find(ground, &plain, &ruled, asked, names))?;
+    Ok(Optimized { cell, top: asked.keep.unwrap_or(TOP) })
+}
+
+fn find<'a>(
+    ground: &'a Ground,
+    plain: &Robot,
+    ruled: &Ruled,
+    asked: &Asked,
+    names: Names,
+) -> Result<Found<'a>, Failure> {
+    let Ground { robot, catalog, watch } = ground;
+    let catalog: &Catalog = catalog;
+    let search = watch.options(asked.only_checked);
+    let mut result = optimize_with(robot, catalog, Options { keep: asked.keep, ..search })?;
+    let search = Options { tick: &|| (), ..search };
+    let target = asked.design.as_deref();
+    let whole = robot.is_coupled() || asked.whole;
+    let files = (catalog, names.catalog);
+    // Rules that are no limit of the program are looked at on the first designs, and the next are tried.
+    let design = match !whole && (ruled.keeps() || target.is_some()) {
+        true => ruled.keep(&mut result, names.requirement, files, target),
+        false => Ok(None),
+    };
+    let outlooks = outlooks(&result, catalog, asked.with_front, search)?;
+    let begun = Instant::now();
+    let options = watch.of_robot(asked.only_checked, asked.runner_ups);
+    let choice = whole.then(|| choose(robot, catalog, options)).transpose()?;
+    let took = asked.time_limit.map(|_| begun.elapsed());
+    let told = choice.as_ref().filter(|_| asked.with_costs);
+    let costs_of_robot = told.map(|whole| ruled.cost_of_robot(plain, catalog, whole, options)).transpose()?.flatten();
+    let design = match (&choice, target) {
+        (Some(whole), Some(path)) => ruled.whole(&result, whole, names.requirement, files, path).map(Some),
+        _ => design,
+    };
+    let costs = if asked.with_costs { ruled.costs(plain, catalog, &result, search)? } else { Vec::new() };
+    Ok(Found { result, outlooks, choice, design, costs, costs_of_robot, took })
+}
+
+impl Optimized {
+    /// What was found.
+    pub fn found(&self) -> &Found<'_> {
+        self.cell.borrow_dependent()
+    }
+
+    /// The robot, made ready.
+    pub fn robot(&self) -> &Robot {
+        &self.cell.borrow_owner().robot
+    }
+
+    /// The catalogue that was chosen from.
+    pub fn catalog(&self) -> &Catalog {
+        &self.cell.borrow_owner().catalog
+    }
+
+    /// The text, with as much of it as is wanted.
+    pub fn text_of(&self, shown: Shown) -> String {
+        let found = self.found();
+        let mut whole =
+            found.choice.as_ref().map_or_else(String::new, |c| format!("\n{}", robot_report::text(c, found.took)));
+        if let Some(cost) = &found.costs_of_robot {
+            whole.push_str(&format!("\n{}", table::paragraph(cost, 0, 2)));
+        }
+        let costs: String = found.costs.iter().map(|line| table::paragraph(line, 0, 2)).collect();
+        self.cell.borrow_owner().told_set() + &costs + &report::text(&found.result, &found.outlooks, shown) + &whole
+    }
+}
+
+impl Answer for Optimized {
+    fn is_satisfied(&self) -> bool {
+        let found = self.found();
+        let kept = found.design.is_ok();
+        kept && found.choice.as_ref().map_or_else(|| found.result.satisfied(), |c| !c.combinations.is_empty())
+    }
+
+    fn json(&self) -> Value {
+        let found = self.found();
+        json::optimize::json(&found.result, &found.outlooks, found.choice.as_ref())
+    }
+
+    fn csv(&self) -> String {
+        report::csv(&self.found().result)
+    }
+
+    fn text(&self) -> String {
+        self.text_of(Shown { top: self.top, rejected: false, why: false, full: self.top != TOP })
+    }
+
+    fn page(&self) -> Page {
+        let found = self.found();
+        html::optimize::page(&found.result, &found.outlooks, found.choice.as_ref(), self.catalog())
+    }
+
+    fn figure(&self) -> Option<Figure> {
+        Some(plot::optimized(&self.found().result, self.catalog()))
+    }
+
+    fn files(&self) -> Vec<InputFile> {
+        self.cell.borrow_owner().files()
+    }
+
+    fn remarks(&self) -> Vec<String> {
+        let broken = self.found().design.as_ref().err();
+        broken.into_iter().cloned().collect()
+    }
+}
