@@ -60,7 +60,8 @@ pub fn actuator_map(
     };
     let demand = JointDemand::new(joint, &catalog);
     let of_motor = |motor: &&Motor| {
-        let candidate = Mount::new(&robot, joint, &demand.load, motor).candidate().map_err(|why| why.reason().to_string())?;
+        let candidate =
+            Mount::new(&robot, joint, &demand.load, motor).candidate().map_err(|why| why.reason().to_string())?;
         let fixed = candidate.catalog_gear.map(|gear| gear.ratio);
         let one = |ratio: &f64| {
             // A module has the ratio of its gear alone.

@@ -204,6 +204,15 @@ pub(crate) fn settled(robot: Robot, catalog: &Catalog) -> Result<Robot, Failure>
     crate::design::families::settled(robot, catalog).map_err(Failure::Argument)
 }
 
+/// A robot made ready for a catalogue: its patterns looked up, and its objectives balanced.
+///
+/// # Errors
+/// Patterns that name nothing.
+pub fn ready(robot: Robot, catalog: &Catalog) -> Result<Robot, Failure> {
+    let robot = settled(robot, catalog)?;
+    balanced(&robot, catalog, Options::default())
+}
+
 /// What is said of a robot whose joints are coupled, where each is taken by itself.
 fn alone(robot: &Robot) -> Vec<String> {
     let said = "each joint is taken by itself here: budgets and `torque_per_mass` are not looked at";

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use rayon::prelude::*;
 use self_cell::self_cell;
 use serde_json::Value;
 
@@ -11,17 +12,22 @@ use super::rows::{Rows, wound};
 use super::written::{DesignText, Ruled};
 use super::{Answer, Failure, Ground, Watch, balanced, settled};
 use crate::catalog::Catalog;
-use crate::design::answer::RobotResult;
+use crate::design::answer::{JointResult, Rejected, RobotResult};
+use crate::design::mount::{JointDemand, Site};
 use crate::design::optimize::optimize_with;
 use crate::design::options::Options;
 use crate::design::outlook::{Outlook, outlooks};
 use crate::design::robot::{Choice, choose};
 use crate::input::InputFile;
+use crate::numerics::grid::grid;
 use crate::report::html::Page;
 use crate::report::optimize::{self as report, Shown};
 use crate::report::plot::{Figure, design as plot};
-use crate::report::{html, json, robot as robot_report, table};
+use crate::report::{html, json, number, robot as robot_report, table};
 use crate::requirement::Robot;
+
+/// Ratios at which a motor that cannot do it is looked at.
+const LOOKS: usize = 40;
 
 /// How many motors a joint's table shows where nobody says.
 pub const TOP: usize = 5;
@@ -230,6 +236,49 @@ impl Optimized {
     /// The catalogue that was chosen from.
     pub fn catalog(&self) -> &Catalog {
         &self.cell.borrow_owner().catalog
+    }
+
+    /// What the JSON says of one candidate of a joint, by their places; `None` where there is none.
+    pub fn design_json(&self, joint: usize, place: usize) -> Option<Value> {
+        let of = self.found().result.joints.get(joint)?;
+        let design = of.candidates.get(place)?;
+        Some(json::value(json::Design::new(design.facts(), of.joint)))
+    }
+
+    /// Of a joint without a design: that there is none, and which motor came nearest, with what it exceeds.
+    pub fn without(&self, joint: usize) -> Option<String> {
+        let of = self.found().result.joints.get(joint).filter(|of| of.candidates.is_empty())?;
+        let alone = RobotResult { robot: self.robot(), joints: vec![of.clone()] };
+        let said = report::without_choice(&alone, "no").join("; ");
+        Some(self.nearest_miss(of).map_or(said.clone(), |near| format!("{said}; {near}")))
+    }
+
+    /// The motor that comes nearest to the limits of a joint, at the ratio where it does, in words.
+    fn nearest_miss<'a>(&'a self, of: &'a JointResult<'a>) -> Option<String> {
+        let demand = JointDemand::new(of.joint, self.catalog());
+        let site = Site::new(self.robot(), of.joint, &demand);
+        let miss = |rejected: &'a Rejected<'a>| {
+            let mount = site.mount(rejected.motor, rejected.gear).ok()?;
+            let (least, most) = mount.range()?;
+            let prepared = mount.prepared().ok()?;
+            let worst = |ratio: f64| {
+                let margins = prepared.at(ratio).margins;
+                let worst = margins.into_iter().min_by(|a, b| a.margin.total_cmp(&b.margin))?;
+                Some((worst.margin, worst.limit, ratio))
+            };
+            let ratios = if least < most { grid(least, most, LOOKS) } else { vec![least] };
+            let best = ratios.into_iter().filter_map(worst).max_by(|a, b| a.0.total_cmp(&b.0))?;
+            Some((best, rejected.motor.id.as_str(), rejected.gear))
+        };
+        let all: Vec<_> = of.rejected.par_iter().filter_map(miss).collect();
+        let nearest = all.into_iter().filter(|((margin, ..), ..)| *margin < 0.0);
+        let ((margin, limit, ratio), motor, gear) = nearest.max_by(|a, b| a.0.0.total_cmp(&b.0.0))?;
+        let with = gear.map_or_else(|| format!("at N = {}", number(ratio)), |gear| format!("with {gear}"));
+        let over = match margin.is_finite() {
+            true => format!("exceeds `{limit}` by {} %", number((-1e3 * margin).round() / 10.0)),
+            false => format!("exceeds `{limit}`"),
+        };
+        Some(format!("the nearest, {motor} {with}, {over}"))
     }
 
     /// The text, with as much of it as is wanted.

@@ -56,6 +56,10 @@ pub fn locate(source: &Source, path: &[Step]) -> Option<Range<usize>> {
 /// assert_eq!(key_path(&source, &(at..at + 2)), "joint \"knee\".ratio.max");
 /// ```
 pub fn key_path(source: &Source, span: &Range<usize>) -> String {
+    // What is wrong with the whole has no place.
+    if span.is_empty() {
+        return String::new();
+    }
     let (table, _) = DeTable::parse_recoverable(source.text());
     let mut path = String::new();
     in_table(table.get_ref(), span, &mut path);

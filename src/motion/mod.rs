@@ -8,7 +8,7 @@ mod through;
 pub use cases::{Case, Cases, Lasting, Often, Step};
 pub use instants::Between;
 pub(crate) use instants::Instant;
-pub use read::{CarriedColumn, OWN_COLUMNS, columns, read, read_carrying};
+pub use read::{CarriedColumn, OWN_COLUMNS, columns, of_arrays, read, read_carrying};
 pub(crate) use read::{check_length, check_time, course, disagreement, may_carry, repeats};
 pub(crate) use through::{At, through};
 

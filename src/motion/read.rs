@@ -124,10 +124,11 @@ fn read_samples(
 }
 
 /// A velocity that is not the rate of the position given beside it: a wrong unit, sign or column.
-fn contradiction(table: &Table, samples: &Samples) -> Option<Problem> {
+fn contradiction(table: &impl Rows, samples: &Samples) -> Option<Problem> {
     let worst = disagreement(&samples.time, samples.position.as_ref()?, samples.velocity.as_ref()?)?;
     Some(
-        Problem::at(table.cell_span(worst, "velocity"), "velocity is not the rate of position", "differs most here")
+        table
+            .problem(worst, "velocity", "velocity is not the rate of position".into(), "differs most here".into())
             .help(
                 "deg for rad, rpm for rad/s, a wrong sign, or the wrong column? Leave position out if it is not needed",
             ),
@@ -149,17 +150,129 @@ pub(crate) fn disagreement(time: &[f64], position: &[f64], velocity: &[f64]) -> 
     (apart > 0.25 * size).then_some(worst.1)
 }
 
+/// Samples of which something may be wrong: rows of a table, or entries of arrays.
+pub(crate) trait Rows {
+    /// How many there are.
+    fn count(&self) -> usize;
+    /// A problem with one value of a sample.
+    fn problem(&self, row: usize, column: &str, message: String, label: String) -> Problem;
+    /// A problem with all of them, which is shown at the last.
+    fn last(&self, message: String, label: String) -> Problem;
+}
+
+impl Rows for Table {
+    fn count(&self) -> usize {
+        self.len()
+    }
+
+    fn problem(&self, row: usize, column: &str, message: String, label: String) -> Problem {
+        Problem::at(self.cell_span(row, column), message, label)
+    }
+
+    fn last(&self, message: String, label: String) -> Problem {
+        Problem::at(self.row_span(self.len() - 1), message, label)
+    }
+}
+
+/// Arrays of so many entries.
+struct Arrays(usize);
+
+impl Rows for Arrays {
+    fn count(&self) -> usize {
+        self.0
+    }
+
+    fn problem(&self, row: usize, column: &str, message: String, label: String) -> Problem {
+        Problem { label, ..Problem::whole(format!("`{column}`, sample {row}: {message}")) }
+    }
+
+    fn last(&self, message: String, label: String) -> Problem {
+        Problem { label, ..Problem::whole(message) }
+    }
+}
+
+/// A motion from arrays of a program, by the rules of a file.
+///
+/// # Errors
+/// Every mistake: arrays of other lengths, numbers that are none, order of time, too few samples, and a periodic motion
+/// whose last sample does not repeat the first. Samples are counted from zero.
+pub fn of_arrays(mut samples: Samples, periodic: bool, period: Option<f64>) -> Result<Motion, InputError> {
+    let mut problems = Vec::new();
+    let read = checked_arrays(&mut samples, periodic, period, &mut problems);
+    InputError::unless_empty(&Arc::new(Source::of_values("the motion", "")), problems)?;
+    let course = read.expect("a motion without problems was read");
+    Ok(Motion::from_samples(samples, course))
+}
+
+fn checked_arrays(
+    samples: &mut Samples,
+    periodic: bool,
+    period: Option<f64>,
+    problems: &mut Vec<Problem>,
+) -> Option<Course> {
+    let count = samples.time.len();
+    let columns = {
+        let Samples { time, torque, position, velocity, acceleration, torque_rate, jerk } = &*samples;
+        let own = [("time", Some(time)), ("torque", Some(torque))];
+        let more = [
+            ("position", position.as_ref()),
+            ("velocity", velocity.as_ref()),
+            ("acceleration", acceleration.as_ref()),
+            ("torque_rate", torque_rate.as_ref()),
+            ("jerk", jerk.as_ref()),
+        ];
+        own.into_iter().chain(more).filter_map(|(name, values)| Some((name, values?)))
+    };
+    for (name, values) in columns {
+        if values.len() != count {
+            let message = format!("`{name}` has {} entries, and `time` has {count}", values.len());
+            problems.push(Problem::whole(message));
+        }
+        if let Some(row) = values.iter().position(|value| !value.is_finite() || !units::is_sane(*value)) {
+            let message = format!("{} is no number of a motion", values[row]);
+            problems.push(Arrays(count).problem(row, name, message, "expected a finite number in SI".into()));
+        }
+    }
+    if samples.velocity.is_none() && samples.position.is_none() {
+        problems.push(Problem::whole("a motion needs `velocity` or `position`"));
+    }
+    if let Some(period) = period.filter(|period| !(period.is_finite() && *period > 0.0)) {
+        problems.push(Problem::whole(format!("a period of {period} s is not greater than zero")));
+    }
+    if period.is_some() && !periodic {
+        problems.push(Problem::whole("`period` says nothing of a motion that happens once"));
+    }
+    if count == 0 {
+        problems.push(Problem::whole("the motion has no samples"));
+    }
+    let rows = Arrays(count);
+    if !problems.is_empty() || !check_time(&rows, &samples.time, problems) {
+        return None;
+    }
+    let course = take_course(&rows, samples, &[], periodic, period, problems)?;
+    if !check_length(&rows, samples.time.len(), periodic, period, problems) {
+        return None;
+    }
+    if let Some(problem) = contradiction(&rows, samples) {
+        problems.push(problem);
+        return None;
+    }
+    Some(course)
+}
+
 /// Whether time increases from row to row, by enough to differentiate; if not, notes where.
-pub(crate) fn check_time(table: &Table, time: &[f64], problems: &mut Vec<Problem>) -> bool {
+pub(crate) fn check_time(table: &impl Rows, time: &[f64], problems: &mut Vec<Problem>) -> bool {
     for row in 1..time.len() {
         if time[row] <= time[row - 1] {
             problems.push(
-                Problem::at(
-                    table.cell_span(row, "time"),
-                    "time does not increase",
-                    format!("not later than the row above, {} s", time[row - 1]),
-                )
-                .help("sort the rows by time and remove duplicates"),
+                table
+                    .problem(
+                        row,
+                        "time",
+                        "time does not increase".into(),
+                        format!("not later than the row above, {} s", time[row - 1]),
+                    )
+                    .help("sort the rows by time and remove duplicates"),
             );
             return false;
         }
@@ -168,11 +281,8 @@ pub(crate) fn check_time(table: &Table, time: &[f64], problems: &mut Vec<Problem
     for row in 1..time.len() {
         if time[row] - time[row - 1] < 1e-9 * duration {
             let what = "two rows are at practically the same time: no derivative can be taken";
-            problems.push(Problem::at(
-                table.cell_span(row, "time"),
-                what,
-                "less than 1e-9 of the motion after the row above",
-            ));
+            let label = "less than 1e-9 of the motion after the row above";
+            problems.push(table.problem(row, "time", what.into(), label.into()));
             return false;
         }
     }
@@ -181,7 +291,7 @@ pub(crate) fn check_time(table: &Table, time: &[f64], problems: &mut Vec<Problem
 
 /// Whether there are enough samples for the spline; if not, notes it.
 pub(crate) fn check_length(
-    table: &Table,
+    table: &impl Rows,
     distinct: usize,
     periodic: bool,
     period: Option<f64>,
@@ -189,8 +299,7 @@ pub(crate) fn check_length(
 ) -> bool {
     let fewest = if periodic { spline::MIN_PERIODIC } else { spline::MIN_OPEN };
     if distinct < fewest {
-        problems.push(Problem::at(
-            table.row_span(table.len() - 1),
+        problems.push(table.last(
             format!("the motion has {distinct} distinct samples: too few to differentiate"),
             format!("expected at least {}", if periodic && period.is_none() { fewest + 1 } else { fewest }),
         ));
@@ -207,24 +316,25 @@ pub(crate) fn repeats(values: &[f64]) -> bool {
 /// The course of a table, and whether its last row is the first again. Each of `columns` has to repeat its
 /// first value at the end of the period.
 pub(crate) fn course(
-    table: &Table,
+    table: &impl Rows,
     time: &[f64],
     columns: &[(&str, &[f64])],
     periodic: bool,
     period: Option<f64>,
     problems: &mut Vec<Problem>,
 ) -> Option<(Course, bool)> {
-    let last = table.len().checked_sub(1)?;
+    let last = table.count().checked_sub(1)?;
     let duration = time[last] - time[0];
     if !periodic {
         return Some((Course::Once(duration), false));
     }
     if let Some(period) = period {
         if period < duration * (1.0 - 1e-12) {
-            problems.push(Problem::at(
-                table.cell_span(last, "time"),
+            problems.push(table.problem(
+                last,
+                "time",
                 format!("the motion lasts {duration} s, longer than its period of {period} s"),
-                "after the end of the period",
+                "after the end of the period".into(),
             ));
             return None;
         }
@@ -236,12 +346,16 @@ pub(crate) fn course(
     for (name, values) in columns {
         if !repeats(values) {
             problems.push(
-                Problem::at(
-                    table.cell_span(last, name),
-                    format!("a periodic motion repeats its first row at the end, but `{name}` does not"),
-                    "differs from the first row",
-                )
-                .help("add the first row again at the end of the period, or give `period`, or set `periodic = false`"),
+                table
+                    .problem(
+                        last,
+                        name,
+                        format!("a periodic motion repeats its first row at the end, but `{name}` does not"),
+                        "differs from the first row".into(),
+                    )
+                    .help(
+                        "add the first row again at the end of the period, or give `period`, or set `periodic = false`",
+                    ),
             );
         }
     }
@@ -250,7 +364,7 @@ pub(crate) fn course(
 
 /// Finds the period, and takes the repeated last row of a periodic motion away.
 fn take_course(
-    table: &Table,
+    table: &impl Rows,
     samples: &mut Samples,
     carried: &[Named],
     periodic: bool,
