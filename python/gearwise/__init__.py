@@ -29,6 +29,7 @@ from gearwise._catalog import Catalog
 from gearwise._design import Design
 from gearwise._errors import GearwiseError, InputError, InternalError, NoDesign, Problem
 from gearwise._native import Motion, Requirement, __version__
+from gearwise._rollouts import rollouts
 from gearwise._table import Table
 from gearwise._words import Bus, Gear, Joint, Limits, Robot
 
@@ -68,5 +69,6 @@ __all__ = [
     "pareto",
     "rank",
     "robust",
+    "rollouts",
     "sweep",
 ]

@@ -48,6 +48,9 @@ pub fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(export, module)?,
         wrap_pyfunction!(command, module)?,
         wrap_pyfunction!(describe, module)?,
+        wrap_pyfunction!(_panic, module)?,
+        wrap_pyfunction!(crate::motion::_simulated, module)?,
+        wrap_pyfunction!(crate::motion::_rollouts, module)?,
     ];
     functions.into_iter().try_for_each(|function| module.add_function(function))
 }
@@ -447,6 +450,12 @@ fn describe() -> Vec<Described> {
         table.keys.iter().map(key).collect()
     };
     asked.tables.iter().flat_map(of_table).collect()
+}
+
+/// Panics where work is done: what a test needs.
+#[pyfunction]
+fn _panic(py: Python<'_>) -> PyResult<()> {
+    How::new(py, Some(1), None)?.run(py, |_| -> Result<(), Failure> { panic!("as a test asked for") })
 }
 
 /// Runs the command line with these arguments; its exit status.

@@ -340,7 +340,8 @@ impl Motion {
         let take = |name: &str| made.arrays.iter().find(|(n, _)| *n == name).map(|(_, values)| values.clone());
         let needed = |name: &str| take(name).ok_or_else(|| wrong(py, format!("a motion needs `{name}`")));
         let motion = if made.kind == "points" {
-            of_points(py, needed("torque")?, needed("velocity")?, take("acceleration"), take("duration"))?
+            let rates = (take("torque_rate"), take("jerk"));
+            of_points(py, needed("torque")?, needed("velocity")?, take("acceleration"), take("duration"), rates)?
         } else {
             let samples = Samples {
                 time: needed("time")?,
@@ -368,6 +369,7 @@ fn of_points(
     velocity: Vec<f64>,
     acceleration: Option<Vec<f64>>,
     duration: Option<Vec<f64>>,
+    (torque_rate, jerk): (Option<Vec<f64>>, Option<Vec<f64>>),
 ) -> PyResult<motion::Motion> {
     let count = torque.len();
     if count == 0 {
@@ -378,6 +380,8 @@ fn of_points(
         ("velocity", Some(&velocity)),
         ("acceleration", acceleration.as_ref()),
         ("duration", duration.as_ref()),
+        ("torque_rate", torque_rate.as_ref()),
+        ("jerk", jerk.as_ref()),
     ];
     for (name, values) in all.into_iter().filter_map(|(name, values)| Some((name, values?))) {
         if values.len() != count {
@@ -395,8 +399,75 @@ fn of_points(
         torque: torque[k],
         velocity: velocity[k],
         acceleration: at(&acceleration, k),
+        torque_rate: at(&torque_rate, k),
+        jerk: at(&jerk, k),
         duration: duration.as_ref().map(|d| d[k]),
-        ..Point::default()
     };
     Ok(motion::Motion::from_points(&(0..count).map(point).collect::<Vec<_>>()))
+}
+
+/// What a simulator's joint has of its own in place of an actuator's: armature, damping and friction, SI.
+#[pyfunction]
+pub fn _simulated(
+    py: Python<'_>,
+    armature: &Bound<'_, PyAny>,
+    damping: &Bound<'_, PyAny>,
+    friction: &Bound<'_, PyAny>,
+) -> PyResult<(f64, f64, f64)> {
+    use gearwise::units::{INERTIA, TORQUE, VISCOUS_FRICTION};
+    let read = |name: &str, value: &Bound<'_, PyAny>, kind| {
+        let number = quantity(py, name, value, kind)?;
+        match number >= 0.0 {
+            true => Ok(number),
+            false => Err(wrong(py, format!("`{name}` is {number}: expected no number below zero"))),
+        }
+    };
+    Ok((
+        read("armature", armature, &INERTIA)?,
+        read("damping", damping, &VISCOUS_FRICTION)?,
+        read("friction", friction, &TORQUE)?,
+    ))
+}
+
+/// Time, torque, velocity and, where it is known, acceleration of an episode.
+type Episode<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Option<Bound<'py, PyAny>>);
+
+/// A motion of many episodes.
+#[pyfunction]
+pub fn _rollouts<'py>(py: Python<'py>, episodes: Vec<Episode<'py>>, own: (f64, f64, f64)) -> PyResult<Motion> {
+    let mut all = Vec::with_capacity(episodes.len());
+    for (time, torque, velocity, acceleration) in &episodes {
+        all.push(Samples {
+            time: numbers(py, "time", time)?,
+            torque: numbers(py, "torque", torque)?,
+            velocity: Some(numbers(py, "velocity", velocity)?),
+            position: None,
+            acceleration: optional(py, "acceleration", acceleration.as_ref())?,
+            torque_rate: None,
+            jerk: None,
+        });
+    }
+    let (armature, damping, friction) = own;
+    let own = motion::SimulatorsOwn { armature, damping, friction };
+    let motion = here(py, || motion::of_episodes(all, own).map_err(|e| vec![e].into()))?;
+    let m = &motion;
+    // Made again from its points: each has all of its rates.
+    let total = motion.duration().unwrap_or(1.0);
+    let durations = m.weight.iter().map(|weight| weight * total).collect();
+    let column = |name, values: &Vec<f64>| (name, values.clone());
+    let made = Made {
+        kind: "points",
+        arrays: vec![
+            column("torque", &m.torque),
+            column("velocity", &m.velocity),
+            column("acceleration", &m.acceleration),
+            column("torque_rate", &m.torque_rate),
+            column("jerk", &m.jerk),
+            ("duration", durations),
+        ],
+        periodic: false,
+        period: None,
+        scale: (1.0, 1.0),
+    };
+    Ok(Motion::of(Arc::new(motion), made))
 }

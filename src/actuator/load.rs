@@ -77,6 +77,8 @@ pub struct Load {
     pub duration: Option<f64>,
     /// How long one period, duration or sequence of cases moves \[s\]; zero where nothing says so.
     moves: f64,
+    /// Whether the samples are of many runs: there is no order in time.
+    pub is_mixed: bool,
     /// Whether heat has a steady state: not that of a motion that happens once from cold.
     pub has_steady_heat: bool,
     /// The share of all time that the motion takes: less than one where rest follows it.
@@ -149,13 +151,13 @@ impl Load {
                 .map(move |s| WavePoint { features: features(k, torque, rate, *s), flow, origin: k, direct: 0.0 })
                 .collect::<Vec<_>>()
         };
-        let samples = 0..motion.len();
+        let looked = motion.looked_at();
         let plain: Vec<WavePoint> =
-            samples.clone().flat_map(|k| points(k, motion.torque[k], motion.torque_rate[k])).collect();
+            looked.iter().flat_map(|k| points(*k, motion.torque[*k], motion.torque_rate[*k])).collect();
         let bandwidth = ripple.map(|ripple| {
             let TorqueBandwidth { frequency, amplitude } = ripple.bandwidth;
             let omega = std::f64::consts::TAU * frequency;
-            let superposed = samples.clone().flat_map(|k| {
+            let superposed = looked.iter().copied().flat_map(|k| {
                 (0..BANDWIDTH_PHASES).flat_map(move |phase| {
                     let angle = std::f64::consts::TAU * phase as f64 / BANDWIDTH_PHASES as f64;
                     let (more, faster) = (amplitude * angle.cos(), -amplitude * omega * angle.sin());
@@ -167,8 +169,7 @@ impl Load {
         });
         // At standstill friction of a transmission may hold for the actuator.
         let in_means = |k: usize| motion.torque[k] * if motion.velocity[k] == 0.0 { motion.held } else { 1.0 };
-        let in_means: Vec<WavePoint> = samples
-            .clone()
+        let in_means: Vec<WavePoint> = (0..motion.len())
             .map(|k| WavePoint {
                 features: features(k, in_means(k), motion.torque_rate[k], sign(motion.velocity[k])),
                 flow: Flow::in_means(motion.torque[k], motion.velocity[k]),
@@ -194,6 +195,7 @@ impl Load {
                 Some(cases) => cases.sequence_lasts().0,
                 None => motion.duration().unwrap_or(0.0),
             },
+            is_mixed: motion.mixed,
             has_steady_heat: motion.has_steady_heat(),
             share_of_time: motion.share_of_time(),
             course: if actuators.is_empty() { HeatCourse::new(motion).map(Arc::new) } else { None },

@@ -13,6 +13,7 @@ use super::written::{DesignText, Ruled};
 use super::{Answer, Failure, Ground, Watch, balanced, settled};
 use crate::catalog::Catalog;
 use crate::design::answer::{JointResult, Rejected, RobotResult};
+use crate::design::many::{Looked, with_samples};
 use crate::design::mount::{JointDemand, Site};
 use crate::design::optimize::optimize_with;
 use crate::design::options::Options;
@@ -117,7 +118,7 @@ impl Ready {
         let options = Options { tick: &|| (), ..watch.options(asked.only_checked) };
         ruled.robot = balanced(&ruled.robot, &catalog, options)?;
         if ruled.robot.has_range_of_turns() && one_by_one {
-            let message = "a range of `turns` is not combined with a front, with tolerances or with the choice for a whole robot; give a list, as in turns = [1, 0.5]";
+            let message = "a range of `turns` is not combined with `--pareto`, `--robust` or `--robot` (a front, tolerances, the choice for a whole robot); give a list, as in turns = [1, 0.5]";
             return Err(Failure::Argument(message.into()));
         }
         let catalog = wound(&mut ruled.robot, catalog, asked.only_checked)?;
@@ -172,6 +173,8 @@ self_cell!(
 #[derive(Debug)]
 pub struct Optimized {
     cell: Cell,
+    /// Joints with so many samples that the search looked at some of them.
+    looked: Vec<Looked>,
     /// How many motors the text shows of a joint.
     top: usize,
 }
@@ -182,9 +185,11 @@ pub struct Optimized {
 /// It was stopped, or the joints' objectives cannot be summed up.
 pub fn optimize(ready: Ready, asked: &Asked, names: Names, watch: Watch) -> Result<Optimized, Failure> {
     let Ready { plain, ruled, catalog } = ready;
-    let ground = Ground { robot: ruled.robot.clone(), catalog, watch };
+    let options = Options { keep: asked.keep, ..watch.options(asked.only_checked) };
+    let (robot, looked) = with_samples(ruled.robot.clone(), &catalog, options)?;
+    let ground = Ground { robot, catalog, watch };
     let cell = Cell::try_new(ground, |ground| find(ground, &plain, &ruled, asked, names))?;
-    Ok(Optimized { cell, top: asked.keep.unwrap_or(TOP) })
+    Ok(Optimized { cell, looked, top: asked.keep.unwrap_or(TOP) })
 }
 
 fn find<'a>(
@@ -236,6 +241,20 @@ impl Optimized {
     /// The catalogue that was chosen from.
     pub fn catalog(&self) -> &Catalog {
         &self.cell.borrow_owner().catalog
+    }
+
+    /// Of joints with very many samples, how they were looked at, in sentences.
+    pub fn looked_at(&self) -> impl Iterator<Item = String> + '_ {
+        self.looked.iter().map(|Looked { joint, at, of, rounds }| {
+            let added = match rounds {
+                0 => String::new(),
+                1 => ", after others were added once".into(),
+                more => format!(", after others were added {more} times"),
+            };
+            format!(
+                "joint `{joint}`: the search looked at limits at {at} of {of} samples{added}; every design that is shown keeps them at all, and so do its windows where they were looked at; means and heat are of all"
+            )
+        })
     }
 
     /// What the JSON says of one candidate of a joint, by their places; `None` where there is none.
@@ -329,6 +348,6 @@ impl Answer for Optimized {
 
     fn remarks(&self) -> Vec<String> {
         let broken = self.found().design.as_ref().err();
-        broken.into_iter().cloned().collect()
+        broken.into_iter().cloned().chain(self.looked_at()).collect()
     }
 }

@@ -46,7 +46,8 @@ impl Currency {
         // A unit is no slip of a code.
         let near = match CURRENCIES.contains(&upper.as_str()) {
             true => Some(upper.as_str()),
-            false => nearest(&upper, CURRENCIES.iter().copied()).filter(|_| code == upper && code.len() >= 3),
+            false if code == upper && code.len() >= 3 => nearest(&upper, CURRENCIES.iter().copied()),
+            false => None,
         };
         let near = near.map_or_else(String::new, |near| format!("did you mean `{near}`? "));
         Err(format!("{near}it is a code of ISO 4217: EUR, USD, GBP, CHF, CNY, JPY, KRW and so on"))

@@ -250,7 +250,7 @@ fn catalog(paths: &[PathBuf]) -> Result<Catalog, Failure> {
     Ok(catalog)
 }
 
-/// Says what an answer says beside itself.
+/// Says what an answer remarks.
 fn remark(answer: &dyn Answer) {
     answer.remarks().iter().for_each(|remark| tell!("warning: {remark}"));
 }

@@ -182,6 +182,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     let found = optimize(ready, &asked, names, watch)?;
     super::draw_plot(arguments.plot.as_ref(), &found)?;
     arguments.html.write_page(call, &found)?;
+    found.looked_at().for_each(|said| tell!("{said}"));
     let kept = arguments.written(&found)?;
     let top = arguments.only_top.map(|k| k as usize).or(arguments.top);
     let shown = Shown {

@@ -621,6 +621,14 @@ impl<'a> Prepared<'a> {
         peak / candidate.robot.bus.drive_efficiency + candidate.standby_power()
     }
 
+    /// The samples at which current and power are largest at a ratio.
+    pub(super) fn peak_samples(&self, ratio: f64) -> Vec<usize> {
+        let waveform = &self.candidate.load.waveform;
+        let of = |functional, actuator| waveform.origin(waveform.largest(functional, actuator, ratio).index);
+        let ends = self.candidate.ends();
+        ends.flat_map(|end| [of(waveform.of_current(), end), of(Functional::Power, end)]).collect()
+    }
+
     /// Lowest and highest voltage of the bus at a ratio, where the supply has a resistance.
     fn bus_voltage(&self, ratio: f64) -> Option<BusVoltage> {
         let supply = self.candidate.supply(0.0)?;

@@ -18,6 +18,7 @@ pub mod figures;
 pub mod flatness;
 pub mod judge;
 pub mod loads;
+pub mod many;
 pub mod mount;
 pub mod nearby;
 pub mod optimize;

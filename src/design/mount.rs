@@ -208,6 +208,17 @@ impl<'a> JointDemand<'a> {
         JointDemand { load, gears, by_pattern, for_any }
     }
 
+    /// A gear that the joint allows, by its id.
+    pub(super) fn gear(&self, id: &str) -> Option<&'a Gear> {
+        self.gears.iter().find(|(gear, _)| gear.id == id).map(|(gear, _)| *gear)
+    }
+
+    /// The load as a gear passes it on, by its id.
+    pub(super) fn load_with(&self, id: Option<&str>) -> &Load {
+        let own = id.and_then(|id| self.gears.iter().find(|(gear, _)| gear.id == id)).and_then(|(_, own)| own.as_ref());
+        own.unwrap_or(&self.load)
+    }
+
     /// Ids of the gears that the joint allows and that cannot be evaluated: their rows say no efficiency.
     pub fn without_efficiency(&self) -> Vec<&'a str> {
         self.gears.iter().filter(|(gear, _)| gear_model(gear).is_none()).map(|(gear, _)| gear.id.as_str()).collect()

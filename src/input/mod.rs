@@ -11,6 +11,7 @@ mod describe;
 mod file;
 mod form;
 pub mod json;
+mod key_path;
 pub mod kind;
 pub mod limits;
 mod locate;
@@ -22,7 +23,8 @@ pub use describe::{Description, Key, KeyAsked, TableAsked, key};
 #[cfg(feature = "measured")]
 pub(crate) use file::{Opened, utf_16};
 pub use form::{Form, Section};
-pub use locate::{Step, key_path, locate};
+pub use key_path::key_path;
+pub use locate::{Step, locate};
 #[cfg(feature = "report")]
 pub(crate) use source::tame;
 pub use source::{InputError, InputFile, Problem, Source, hex, sha256};

@@ -14,8 +14,8 @@ use codespan_reporting::term;
 use hmac_sha256::Hash as Sha256;
 
 use super::file::{self, Opened};
+use super::key_path::key_path;
 use super::limits;
-use super::locate::key_path;
 
 /// At most this many problems of one file are printed; the rest are counted.
 const MAX_SHOWN: usize = 50;
@@ -182,7 +182,7 @@ impl Source {
     pub fn place(&self, problem: &Problem) -> String {
         let Some(span) = &problem.span else { return String::new() };
         if self.of_values {
-            let path = key_path(self, span);
+            let path = key_path(&self.text, span);
             return if path.is_empty() { path } else { format!(" {path}") };
         }
         let (line, column) = self.position(span.start);

@@ -241,6 +241,8 @@ impl Motion {
             between: motions.iter().map(|m| m.between).fold(Between::Nothing, worse),
             held: motions.iter().map(|m| m.held).fold(0.0, f64::max),
             cases: Some(Arc::new(cases)),
+            looked: None,
+            mixed: false,
         }
     }
 
@@ -313,6 +315,8 @@ impl Motion {
             between: self.between,
             held: self.held,
             cases: None,
+            looked: None,
+            mixed: false,
         }
     }
 

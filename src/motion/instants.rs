@@ -338,6 +338,8 @@ fn emptied(motion: &Motion) -> Motion {
         between: motion.between,
         held: motion.held,
         cases: None,
+        looked: None,
+        mixed: false,
     }
 }
 

@@ -1,11 +1,13 @@
 //! What the joint does: load torque and speed over time, or at independent operating points.
 
 pub mod cases;
+mod episodes;
 pub mod instants;
 mod read;
 mod through;
 
 pub use cases::{Case, Cases, Lasting, Often, Step};
+pub use episodes::{SimulatorsOwn, of_episodes};
 pub use instants::Between;
 pub(crate) use instants::Instant;
 pub use read::{CarriedColumn, OWN_COLUMNS, columns, of_arrays, read, read_carrying};
@@ -71,6 +73,12 @@ pub struct Motion {
     pub held: f64,
     /// The load cases, where there are several.
     pub cases: Option<Arc<Cases>>,
+    /// Whether the samples are of many runs, each with an order of its own: then temperature over the motion cannot be followed,
+    /// and the order of the samples says nothing of it.
+    pub mixed: bool,
+    /// Samples at which limits at instants are looked at, ascending, where these are not all: means and heat are of all. Whoever
+    /// chooses them has to look at the others afterwards.
+    pub looked: Option<Arc<[usize]>>,
 }
 
 /// Samples as they stand in a file or in a requirement; `None` is to be derived.
@@ -188,6 +196,8 @@ impl Motion {
             between: Between::Nothing,
             held: 1.0,
             cases: None,
+            looked: None,
+            mixed: false,
         }
     }
 
@@ -221,6 +231,8 @@ impl Motion {
             between: Between::Nothing,
             held: 1.0,
             cases: None,
+            looked: None,
+            mixed: false,
         }
     }
 
@@ -271,6 +283,11 @@ impl Motion {
     /// Number of samples, K.
     pub fn len(&self) -> usize {
         self.time.len()
+    }
+
+    /// The samples at which limits at instants are looked at.
+    pub(crate) fn looked_at(&self) -> Vec<usize> {
+        self.looked.as_ref().map_or_else(|| (0..self.len()).collect(), |looked| looked.to_vec())
     }
 
     /// Whether there is no sample.

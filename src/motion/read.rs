@@ -204,15 +204,11 @@ pub fn of_arrays(mut samples: Samples, periodic: bool, period: Option<f64>) -> R
     Ok(Motion::from_samples(samples, course))
 }
 
-fn checked_arrays(
-    samples: &mut Samples,
-    periodic: bool,
-    period: Option<f64>,
-    problems: &mut Vec<Problem>,
-) -> Option<Course> {
+/// That arrays have one length, and numbers in them; that there is enough to say what the speed is.
+pub(super) fn check_samples(samples: &Samples, problems: &mut Vec<Problem>) {
     let count = samples.time.len();
     let columns = {
-        let Samples { time, torque, position, velocity, acceleration, torque_rate, jerk } = &*samples;
+        let Samples { time, torque, position, velocity, acceleration, torque_rate, jerk } = samples;
         let own = [("time", Some(time)), ("torque", Some(torque))];
         let more = [
             ("position", position.as_ref()),
@@ -236,16 +232,33 @@ fn checked_arrays(
     if samples.velocity.is_none() && samples.position.is_none() {
         problems.push(Problem::whole("a motion needs `velocity` or `position`"));
     }
+    if count == 0 {
+        problems.push(Problem::whole("the motion has no samples"));
+    }
+}
+
+/// That time increases in arrays, and that there are enough samples for the spline.
+pub(super) fn time_order(samples: &Samples, problems: &mut Vec<Problem>) {
+    let rows = Arrays(samples.time.len());
+    if check_time(&rows, &samples.time, problems) {
+        check_length(&rows, samples.time.len(), false, None, problems);
+    }
+}
+
+fn checked_arrays(
+    samples: &mut Samples,
+    periodic: bool,
+    period: Option<f64>,
+    problems: &mut Vec<Problem>,
+) -> Option<Course> {
+    check_samples(samples, problems);
     if let Some(period) = period.filter(|period| !(period.is_finite() && *period > 0.0)) {
         problems.push(Problem::whole(format!("a period of {period} s is not greater than zero")));
     }
     if period.is_some() && !periodic {
         problems.push(Problem::whole("`period` says nothing of a motion that happens once"));
     }
-    if count == 0 {
-        problems.push(Problem::whole("the motion has no samples"));
-    }
-    let rows = Arrays(count);
+    let rows = Arrays(samples.time.len());
     if !problems.is_empty() || !check_time(&rows, &samples.time, problems) {
         return None;
     }

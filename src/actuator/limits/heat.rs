@@ -129,6 +129,11 @@ fn heat_over_the_motion(candidate: &Candidate, ratio: f64) -> Verdict {
     if candidate.joint.limits.winding_temperature.is_some() && candidate.thermal_current().is_none() {
         return Verdict::Unknown(NO_RESISTANCES);
     }
+    if load.is_mixed {
+        return Verdict::Assumed(
+            "judged by its mean heat: the samples are of many episodes, and have no order in time",
+        );
+    }
     let limit = limit * limit;
     // Even the largest heat, held for ever, would be carried.
     let largest = load.largest_squared_current(actuator, candidate.standing_share(), ratio);

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use crate::common::repository;
 
 /// Every room, from the top: each may import from those before it.
-const ROOMS: [&str; 20] = [
+const ROOMS: [&str; 21] = [
     "words",
     "units",
     "output",
@@ -26,6 +26,7 @@ const ROOMS: [&str; 20] = [
     "hardware",
     "rules",
     "report",
+    "ask",
     "study",
     "pages",
     "cli",
