@@ -358,8 +358,8 @@ class Evaluated:
 @final
 class ActuatorMap(Table):
     """What actuators can do over (motor, ratio), without a motion. Torques are those that arrive at the joint at steady
-    speed: behind the gear's loss while the motor drives. What the rotor takes for its own acceleration comes on top:
-    `reflected_inertia_kgm2` times it. What is not known is NaN. As a table it has a row for each pair."""
+    speed but for friction: behind the gear's loss while the motor drives. Friction (`friction_loss_nm`, `damping_nms_per_rad`
+    times speed) comes off, and what the rotor takes for its own acceleration, `reflected_inertia_kgm2` times it. What is not known is NaN. As a table it has a row for each pair."""
 
     __slots__ = ("_of", "_again")
 

@@ -57,7 +57,7 @@ def test_a_joint_without_a_design_says_what_came_nearest() -> None:
 
 def test_whole_robots_and_other_joints(robot: gw.Robot) -> None:
     answer = gw.optimize(robot, whole_robot=True, only_top=3)
-    assert answer.robot["choice"]["combinations"]
+    assert answer.robot["choice"]["best"]
     with pytest.raises(KeyError, match="there is no joint `hip`: there are knee"):
         answer["hip"]
     assert list(answer.joints) == ["knee"]

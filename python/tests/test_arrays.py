@@ -99,7 +99,11 @@ def test_a_map_agrees_with_the_limits_of_the_choice() -> None:
             if not np.isfinite(peak) or not speed > 0:
                 continue
             for share, kept in ((0.999, True), (1.001, False)):
-                motion = gw.Motion.points([share * peak], [speed])
+                # Friction comes off what the map says.
+                friction = np.nan_to_num(found.friction_loss_nm[row, column])
+                viscous = np.nan_to_num(found.damping_nms_per_rad[row, column])
+                load = share * (peak - 0.9 * (friction + viscous * speed))
+                motion = gw.Motion.points([load], [speed])
                 joint = gw.Joint("k", motion, ratio=(1, 100), gear=gear, objective="loss", motor_drag="off")
                 at = gw.evaluate(
                     gw.Robot("r", bus, [joint]),

@@ -122,38 +122,39 @@ pub(crate) struct Along<'d> {
     pub gear: Laurent,
 }
 
+/// The features of a sample with a torque, its rate and a direction.
+fn features(motion: &Motion, k: usize, torque: f64, rate: f64, sign: f64) -> [f64; FEATURES] {
+    let mut x = [0.0; FEATURES];
+    x[Feature::Load as usize] = torque;
+    x[Feature::LoadRate as usize] = rate;
+    x[Feature::Acceleration as usize] = motion.acceleration[k];
+    x[Feature::Jerk as usize] = motion.jerk[k];
+    x[Feature::Velocity as usize] = motion.velocity[k];
+    x[Feature::Sign as usize] = sign;
+    x[Feature::Speed as usize] = motion.velocity[k].abs();
+    x[Feature::One as usize] = 1.0;
+    x[Feature::SpeedRate as usize] = sign * motion.acceleration[k];
+    x
+}
+
+/// A sample as limits see it. At standstill friction may oppose either way: both signs are among the points.
+fn points(motion: &Motion, k: usize, torque: f64, rate: f64) -> impl Iterator<Item = WavePoint> + use<> {
+    let signs: &[f64] = match sign(motion.velocity[k]) {
+        0.0 => &[1.0, -1.0],
+        s if s > 0.0 => &[1.0],
+        _ => &[-1.0],
+    };
+    let flow = Flow::of(torque, motion.velocity[k]);
+    let point = |s: &f64| WavePoint { features: features(motion, k, torque, rate, *s), flow, origin: k, direct: 0.0 };
+    signs.iter().map(point).collect::<Vec<_>>().into_iter()
+}
+
 impl Load {
     /// Prepares a motion.
     pub fn new(motion: &Motion, ripple: Option<Ripple>) -> Load {
-        let features = |k: usize, torque: f64, rate: f64, sign: f64| {
-            let mut x = [0.0; FEATURES];
-            x[Feature::Load as usize] = torque;
-            x[Feature::LoadRate as usize] = rate;
-            x[Feature::Acceleration as usize] = motion.acceleration[k];
-            x[Feature::Jerk as usize] = motion.jerk[k];
-            x[Feature::Velocity as usize] = motion.velocity[k];
-            x[Feature::Sign as usize] = sign;
-            x[Feature::Speed as usize] = motion.velocity[k].abs();
-            x[Feature::One as usize] = 1.0;
-            x[Feature::SpeedRate as usize] = sign * motion.acceleration[k];
-            x
-        };
-        // At standstill friction may oppose either way: both signs are among the points.
-        let points = |k: usize, torque: f64, rate: f64| {
-            let signs: &[f64] = match sign(motion.velocity[k]) {
-                0.0 => &[1.0, -1.0],
-                s if s > 0.0 => &[1.0],
-                _ => &[-1.0],
-            };
-            let flow = Flow::of(torque, motion.velocity[k]);
-            signs
-                .iter()
-                .map(move |s| WavePoint { features: features(k, torque, rate, *s), flow, origin: k, direct: 0.0 })
-                .collect::<Vec<_>>()
-        };
         let looked = motion.looked_at();
         let plain: Vec<WavePoint> =
-            looked.iter().flat_map(|k| points(*k, motion.torque[*k], motion.torque_rate[*k])).collect();
+            looked.iter().flat_map(|k| points(motion, *k, motion.torque[*k], motion.torque_rate[*k])).collect();
         let bandwidth = ripple.map(|ripple| {
             let TorqueBandwidth { frequency, amplitude } = ripple.bandwidth;
             let omega = std::f64::consts::TAU * frequency;
@@ -162,7 +163,7 @@ impl Load {
                     let angle = std::f64::consts::TAU * phase as f64 / BANDWIDTH_PHASES as f64;
                     let (more, faster) = (amplitude * angle.cos(), -amplitude * omega * angle.sin());
                     let (torque, rate) = ripple.superposed(motion, k, more, faster);
-                    points(k, torque, rate)
+                    points(motion, k, torque, rate)
                 })
             });
             Waveform::new(&superposed.collect::<Vec<_>>())
@@ -171,7 +172,7 @@ impl Load {
         let in_means = |k: usize| motion.torque[k] * if motion.velocity[k] == 0.0 { motion.held } else { 1.0 };
         let in_means: Vec<WavePoint> = (0..motion.len())
             .map(|k| WavePoint {
-                features: features(k, in_means(k), motion.torque_rate[k], sign(motion.velocity[k])),
+                features: features(motion, k, in_means(k), motion.torque_rate[k], sign(motion.velocity[k])),
                 flow: Flow::in_means(motion.torque[k], motion.velocity[k]),
                 origin: k,
                 direct: 0.0,
@@ -212,6 +213,16 @@ impl Load {
             actuators,
             gear_loss: None,
         }
+    }
+
+    /// The same with limits at other samples of its motion; without a bandwidth torque.
+    pub(crate) fn looked_at(&self, motion: &Motion) -> Load {
+        let plain: Vec<WavePoint> = motion
+            .looked_at()
+            .into_iter()
+            .flat_map(|k| points(motion, k, motion.torque[k], motion.torque_rate[k]))
+            .collect();
+        Load { waveform: Waveform::new(&plain), ..self.clone() }
     }
 
     /// What each of two actuators does that do this at the same time; empty where it is one.

@@ -1,7 +1,7 @@
 //! What actuators can do, as arrays over motor and ratio, without a motion: for loops in which the motion is still sought.
 //!
-//! Torques are those that arrive at the joint at steady speed: behind the gear's loss while the motor drives, before it while the
-//! load drives. What the rotor takes for its own acceleration is not in them: that is the reflected inertia times the acceleration.
+//! Torques are those at the joint, behind the gear's loss while the motor drives, before it while the load drives. Friction, and what
+//! the rotor takes for its own acceleration, is not in them: they are figures of their own.
 
 use rayon::prelude::*;
 

@@ -3,7 +3,7 @@
 //! The one idea: a load depends on the motion and on the bandwidth torque alone, and making it ready arranges all samples. Robots of a
 //! grid that differ in the bus or the gear have the same loads.
 
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, Weak};
 
 use crate::actuator::Load;
 use crate::requirement::{Joint, Motion, TorqueBandwidth};
@@ -11,8 +11,9 @@ use crate::transmission::Passed;
 
 /// Most loads that are kept; the oldest goes first.
 const KEPT: usize = 32;
-/// Most samples of a motion whose load is kept: memory stays flat.
-const SAMPLES: usize = 20_000;
+/// Motions of more samples are very many samples: they are looked at in part, and a list of loads does not keep theirs, so that
+/// memory stays flat.
+pub(super) const MANY: usize = 20_000;
 
 /// A motion with a bandwidth torque, and its load.
 #[derive(Debug)]
@@ -31,7 +32,7 @@ impl Loads {
     /// The load of a joint whose gear covers no inertia, from `make` where it is not there.
     pub(super) fn of(&self, joint: &Joint, make: impl FnOnce() -> Load) -> Load {
         let (motion, bandwidth) = (&joint.motion, joint.limits.torque_bandwidth);
-        if joint.gear_map.is_some() || motion.len() > SAMPLES {
+        if joint.gear_map.is_some() || motion.len() > MANY {
             return make();
         }
         let same = |ready: &&Arc<Ready>| {
@@ -53,4 +54,34 @@ impl Loads {
         all.push(ready);
         load
     }
+}
+
+/// Loads of motions of very many samples, as long as somebody holds the motion: making one ready takes seconds, and one answer
+/// asks for it many times.
+static LARGE: Mutex<Vec<(Weak<Motion>, Load)>> = Mutex::new(Vec::new());
+
+/// Most of them.
+const MOST_LARGE: usize = 4;
+
+/// The load of a motion of very many samples, from `make` where it is not known.
+pub(super) fn of_large(motion: &Arc<Motion>, make: impl FnOnce() -> Load) -> Load {
+    let same = |held: &Weak<Motion>| held.upgrade().is_some_and(|held| Arc::ptr_eq(&held, motion));
+    // Who cannot look now makes it himself: a child of a fork may find it taken for ever.
+    let known =
+        LARGE.try_lock().ok().and_then(|all| all.iter().find(|(held, _)| same(held)).map(|(_, load)| load.clone()));
+    known.unwrap_or_else(|| {
+        let load = make();
+        remember(motion, &load);
+        load
+    })
+}
+
+/// Keeps the load of a motion of very many samples; those of motions that nobody holds any more go.
+pub(super) fn remember(motion: &Arc<Motion>, load: &Load) {
+    let Ok(mut all) = LARGE.try_lock() else { return };
+    all.retain(|(held, _)| held.strong_count() > 0);
+    if all.len() >= MOST_LARGE {
+        all.remove(0);
+    }
+    all.push((Arc::downgrade(motion), load.clone()));
 }

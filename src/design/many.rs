@@ -12,6 +12,7 @@ use rayon::prelude::*;
 
 use super::answer::{Design, JointResult};
 use super::evaluate::{Evaluation, FEASIBILITY_TOLERANCE, Margin, Prepared};
+use super::loads::{MANY, remember};
 use super::mount::{JointDemand, Mount};
 use super::optimize::optimize_with;
 use super::options::{Options, Stop, Stopped};
@@ -20,8 +21,6 @@ use crate::motion::Motion;
 use crate::numerics::grid::grid;
 use crate::requirement::{Joint, Quantity, Robot};
 
-/// Motions of more samples are looked at in part.
-pub const MANY: usize = 20_000;
 /// Rounds after which all samples are looked at.
 const ROUNDS: usize = 30;
 /// Ratios of a window that are looked at over all samples, its ends among them.
@@ -74,11 +73,15 @@ pub fn with_samples(robot: Robot, catalog: &Catalog, options: Options) -> Result
     let mut rounds = vec![0; places.len()];
     let mut robot = robot;
     for round in 0.. {
-        for (place, looked) in places.iter().zip(&looked) {
+        for (k, (place, looked)) in places.iter().zip(&looked).enumerate() {
             let joint = &mut robot.joints[*place];
             let motion = Motion::clone(&whole.joints[*place].motion);
             let some: Arc<[usize]> = looked.iter().copied().collect();
             joint.motion = Arc::new(Motion { looked: Some(some).filter(|_| round < ROUNDS), ..motion });
+            if joint.ripple().is_none() {
+                // Means are those of all samples: they are not made again.
+                remember(&joint.motion, &demands[k].load.looked_at(&joint.motion));
+            }
         }
         if round == ROUNDS {
             break;

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::Prepared;
 use super::answer::Unusable;
-use super::loads::Loads;
+use super::loads::{Loads, MANY, of_large};
 use super::options::Stop;
 use crate::actuator::candidate::MapPart;
 use crate::actuator::fitted::gear_with_fit;
@@ -162,7 +162,9 @@ pub fn load_through(joint: &Joint, gear: Option<&Gear>) -> Load {
 
 /// The load of a joint with an inertia at the output \[kg·m²\] that the gear's efficiency covers.
 pub(crate) fn load_covering(joint: &Joint, covered: Option<f64>) -> Load {
-    let load = Load::with_inertia(&joint.motion, joint.ripple(), covered.unwrap_or(0.0));
+    let make = || Load::with_inertia(&joint.motion, joint.ripple(), covered.unwrap_or(0.0));
+    let is_plain = covered.is_none() && joint.ripple().is_none();
+    let load = if is_plain && joint.motion.len() > MANY { of_large(&joint.motion, make) } else { make() };
     match &joint.gear_map {
         Some(map) if covered.is_none() => load.with_pieces(map, &joint.gear),
         _ => load,

@@ -7,7 +7,7 @@ use super::{
 use crate::actuator::limits::Candidate;
 use crate::effects::{EFFECTS, SimulatorField};
 
-/// Numbers of an actuator at its joint, SI. Torques are those that arrive there at steady speed; what is not known is NaN.
+/// Numbers of an actuator at its joint, SI. Torques are those there but for friction and the rotor's own acceleration; what is not known is NaN.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Figures {
     /// Mass of motor and gear \[kg\].
