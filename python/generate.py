@@ -61,6 +61,8 @@ TYPES = {
 }
 # Names of Python for keys of the file.
 NAMES = {("Robot", "joint"): "joints"}
+# Keys that must be there.
+REQUIRED = {"Bus": ["voltage"], "Joint": ["name"], "Robot": ["name", "bus", "joints"]}
 # Keys that are no longer, or not yet, read.
 REFUSED = "refused by this version"
 
@@ -115,15 +117,16 @@ def words() -> str:
         keys = [(NAMES.get((name, key), key), key, value, meaning) for key, value, meaning in tables[table]]
         keys.sort(key=lambda k: first.index(k[0]) if k[0] in first else len(first))
         said = about + " A number is SI, a text has its unit (\"48 V\"); what is left out holds as in a file."
+        required = REQUIRED.get(name, [])
         out += f"\n\n@final\nclass {name}(Words):\n" + wrapped(said, "    ") + "\n"
         out += f"    __slots__ = ({', '.join(repr(key) for key, *_ in keys)},)\n"
         out += "    _keys = {" + ", ".join(f'"{py}": "{key}"' for py, key, *_ in keys if py != key) + "}\n\n"
         types = {py: TYPES.get((name, py), kind(value)) for py, _, value, _ in keys}
         for py, _, value, meaning in keys:
-            out += f'    {py}: "{types[py]}"\n'
+            bare = types[py].removesuffix(" | None") if py in required else types[py]
+            out += f'    {py}: "{bare}"\n'
             unit = value.split(", as ")[0].replace("`", "") if ", as " in value else ""
             out += wrapped((meaning[:1].upper() + meaning[1:] or "As in the file") + (f" [{unit}]." if unit else "."), "    ")
-        required = {"Bus": ["voltage"], "Joint": ["name"], "Robot": ["name", "bus", "joints"]}.get(name, [])
         out += "\n    def __init__(\n        self,\n"
         starred = False
         for py, *_ in keys:

@@ -105,7 +105,7 @@ class Answer:
 
     def show(self) -> None:
         """Shows the page in a notebook, in a frame without a network."""
-        from IPython.display import HTML, display  # type: ignore[import-not-found, unused-ignore]
+        from IPython.display import HTML, display
 
         from gearwise._html import escaped
 

@@ -29,7 +29,7 @@ def _bar(progress: "Progress") -> "Callable[[int, int], object] | None":
     if progress is not True:
         return progress or None
     try:
-        from tqdm.auto import tqdm  # type: ignore[import-untyped, import-not-found, unused-ignore]
+        from tqdm.auto import tqdm
     except ImportError:
         return None
     bar = tqdm(leave=False)

@@ -143,7 +143,7 @@ class Table:
 
     def to_arrow(self) -> "Any":
         """As a `pyarrow.Table`; needs pyarrow."""
-        import pyarrow  # type: ignore[import-not-found, import-untyped, unused-ignore]
+        import pyarrow
 
         return pyarrow.table(self)
 

@@ -25,7 +25,7 @@ class Bus(Words):
     __slots__ = ('voltage', 'regeneration', 'drive_phase_resistance', 'drive_standby_power', 'drive_continuous_current', 'field_weakening_current', 'drive_current', 'regeneration_efficiency', 'brake_power', 'internal_resistance', 'max_voltage', 'drive_efficiency', 'flux_braking', 'modulation', 'modulation_limit', 'power', 'current',)
     _keys = {}
 
-    voltage: "float | str | None"
+    voltage: "float | str"
     """Of the bus; required [voltage]."""
     regeneration: "float | str | None"
     """What the bus takes back at any instant; all by default [allowed, none, dissipated, or a power]."""
@@ -283,7 +283,7 @@ class Joint(Words):
     __slots__ = ('name', 'motion', 'count', 'modules', 'family', 'ratio', 'gears', 'gear', 'scale', 'case', 'mechanism_joint', 'periodic', 'period', 'repeat_every', 'points', 'transmission', 'objective', 'reference', 'limits', 'spring', 'mount', 'drive', 'motor_drag', 'torque_per_mass', 'motors', 'exclude', 'turns', 'phases', 'efficiency_covers', 'between', 'lead', 'actuator_at', 'order',)
     _keys = {}
 
-    name: "str | None"
+    name: "str"
     """Name of the joint; required."""
     motion: "Motion | str | PathLike[str] | None"
     """CSV file next to this one; this or `points`."""
@@ -408,9 +408,9 @@ class Robot(Words):
     __slots__ = ('name', 'bus', 'joints', 'rules', 'ambient', 'budget', 'prices', 'mechanism', 'case', 'coupling',)
     _keys = {"joints": "joint"}
 
-    name: "str | None"
+    name: "str"
     """Name of the robot; required."""
-    bus: "Bus | Mapping[str, object] | None"
+    bus: "Bus | Mapping[str, object]"
     """The supply; required."""
     joints: "Sequence[Joint | Mapping[str, object]]"
     """The joints, at least one; required."""

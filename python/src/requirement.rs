@@ -68,6 +68,10 @@ impl Requirement {
     }
 }
 
+fn store(motions: &HashMap<String, Py<Motion>>) -> Store {
+    Store(motions.iter().map(|(name, motion)| (name.clone(), motion.get().shared())).collect())
+}
+
 fn read(
     py: Python<'_>,
     source: &Arc<Source>,
@@ -75,10 +79,10 @@ fn read(
     motions: &HashMap<String, Py<Motion>>,
     no_springs: Option<&str>,
 ) -> PyResult<Robot> {
-    let store = motions.iter().map(|(name, motion)| (name.clone(), motion.get().shared())).collect();
+    let mut store = store(motions);
     let values = changes.iter().map(|(key, value)| (key.as_str(), value.clone()));
     let settings = Settings::of_values("the changes", values).map_err(|why| wrong(py, why))?;
-    here(py, || settings.read_with(source, no_springs, &mut Store(store)).map_err(Failure::Input))
+    here(py, || settings.read_with(source, no_springs, &mut store).map_err(Failure::Input))
 }
 
 /// A requirement of whatever a call was given: one that is read, a file, words or a table.
@@ -135,9 +139,13 @@ impl Requirement {
         Requirement::read(py, self.source.clone(), made, motions.chain(writer.motions).collect())
     }
 
-    /// As a TOML file.
-    fn to_toml(&self) -> String {
-        self.source.text().to_string()
+    /// As a TOML file: numbers with their units, comments kept. Motions that were handed over keep the names that stand for
+    /// them.
+    fn to_toml(&self, py: Python<'_>) -> PyResult<String> {
+        let values = self.changes.iter().map(|(key, value)| (key.as_str(), value.clone()));
+        let settings = Settings::of_values("the changes", values).map_err(|why| wrong(py, why))?;
+        let mut store = store(&self.motions);
+        here(py, || Ok(settings.to_toml(&self.source, &mut store)))
     }
 
     #[getter]

@@ -70,13 +70,13 @@ def test_tables_go_to_frames(robot: gw.Robot) -> None:
     assert len(table) == len(columns["motor"]) and columns["loss_w"].dtype == np.float64
     frame = table.to_pandas()
     assert list(frame["motor"][:3]) == [design.motor for design in table.candidates[:3]]
-    np.testing.assert_allclose(frame["loss_w"][:3], [design.loss_w for design in table.candidates[:3]], rtol=1e-12)
+    np.testing.assert_allclose(frame["loss_w"][:3], np.array([design.loss_w for design in table.candidates[:3]], float), rtol=1e-12)
     polars = pytest.importorskip("polars")
     assert polars.DataFrame(table).height == len(table)
     assert polars.DataFrame(table)["loss_w"].null_count() == int(np.isnan(columns["loss_w"]).sum())
     nanoarrow = pytest.importorskip("nanoarrow")
     assert nanoarrow.ArrayStream(table).read_all().schema.type.name == "STRUCT"
-    both = gw.optimize(gw.Robot("two", robot.bus, [*robot.joints, gw.Joint("hip", robot.joints[0].motion, ratio=(3, 9))]))  # type: ignore[union-attr, arg-type]
+    both = gw.optimize(gw.Robot("two", robot.bus, [*robot.joints, gw.Joint("hip", robot.joints[0].motion, ratio=(3, 9))]))  # type: ignore[union-attr]
     assert len(both["knee"]) + len(both["hip"]) == len(both.table())
 
 

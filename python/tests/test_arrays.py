@@ -10,6 +10,7 @@ from conftest import leg
 def test_the_best_of_an_evaluation_is_the_optimum(robot: gw.Robot) -> None:
     """The optimum by program and by a scan of arrays."""
     best = gw.optimize(robot)["knee"].best
+    assert best.loss_w is not None
     low, high = best.window
     found = gw.evaluate(robot, best.motor, np.linspace(low * 1.0000001, high * 0.9999999, 4001))
     assert found.feasible.all() and found.judged.all()

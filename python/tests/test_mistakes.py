@@ -91,7 +91,7 @@ def test_motions_are_checked() -> None:
 
 def test_wrong_types_are_input_errors(robot: gw.Robot) -> None:
     for thing in (3, None, [1], object(), b"leg.toml", {"name": object()}, {1: 2}, {"bus": {"voltage": 10**30}}):
-        refused(lambda thing=thing: gw.optimize(thing))  # type: ignore[misc]
+        refused(lambda thing=thing: gw.optimize(thing))
     deep: dict[str, object] = {}
     deep["name"] = deep
     refused(lambda: gw.Requirement(deep))

@@ -10,7 +10,6 @@ import subprocess
 import sys
 import textwrap
 import time
-import typing
 
 import pytest
 
@@ -133,7 +132,7 @@ def test_importing_loads_nothing_large() -> None:
 
 def clean() -> dict[str, str]:
     """An environment in which the package is found without `site`."""
-    return {**os.environ, "PYTHONPATH": str(pathlib.Path(typing.cast(str, gw.__file__)).parents[1])}
+    return {**os.environ, "PYTHONPATH": str(pathlib.Path(gw.__file__).parents[1])}
 
 
 def test_a_panic_is_an_exception(robot: gw.Robot, monkeypatch: pytest.MonkeyPatch) -> None:

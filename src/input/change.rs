@@ -57,6 +57,13 @@ impl Change {
         changes.iter().any(|change| change.of_values && change.home == from / Change::APART)
     }
 
+    /// Where in its value a span of a reading with changes is; `None` where it is elsewhere.
+    pub fn within(&self, span: &Span<usize>) -> Option<Span<usize>> {
+        let start = self.moved(self.at.clone()).start;
+        let from = span.start.checked_sub(start)?;
+        (from + span.len() <= self.text.len()).then_some(from..from + span.len())
+    }
+
     /// A problem with the key, where it was written.
     pub fn problem_of_key(&self, message: impl Into<String>, label: impl Into<String>) -> Problem {
         Problem::at(self.moved(self.key_at.clone()), message, label)

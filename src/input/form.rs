@@ -22,6 +22,8 @@ pub struct Form {
     described: Option<RefCell<Description>>,
     // Values that were put in the place of the file's own.
     changes: Vec<Change>,
+    // Bare numbers of a program that were read as quantities: where they are, and their unit.
+    bare: RefCell<Vec<(Span<usize>, &'static str)>>,
 }
 
 impl Form {
@@ -38,16 +40,36 @@ impl Form {
     /// missing or wrong in it does not matter.
     pub fn describe<T>(skeleton: &str, read: impl FnOnce(&Section) -> Option<T>) -> Description {
         let source = Arc::new(Source::new("skeleton.toml", skeleton));
-        let form = Form {
-            source: source.clone(),
-            problems: RefCell::default(),
-            described: Some(RefCell::default()),
-            changes: Vec::new(),
-        };
+        let form = Form { described: Some(RefCell::default()), ..Form::new(&source, &[]) };
         let (table, errors) = DeTable::parse_recoverable(source.text());
         debug_assert!(errors.is_empty(), "the skeleton is TOML: {errors:?}");
         read(&form.root(table.get_ref()));
         form.described.unwrap_or_default().into_inner()
+    }
+
+    fn new(source: &Arc<Source>, changes: &[Change]) -> Form {
+        Form {
+            source: source.clone(),
+            problems: RefCell::default(),
+            described: None,
+            changes: changes.to_vec(),
+            bare: RefCell::default(),
+        }
+    }
+
+    /// Bare numbers of values of a program ([`Source::of_values`], [`Change::of_values`]) that `read` takes for quantities, each
+    /// with its place and its SI unit: what a file has to say of them.
+    pub fn bare_numbers<T>(
+        source: &Arc<Source>,
+        changes: &[Change],
+        read: impl FnOnce(&Section) -> Option<T>,
+    ) -> Vec<(Span<usize>, &'static str)> {
+        let form = Form::new(source, changes);
+        let (mut table, _) = DeTable::parse_recoverable(source.text());
+        // What is wrong was said when it was read.
+        changes.iter().for_each(|change| drop(change.apply(table.get_mut())));
+        read(&form.root(table.get_ref()));
+        form.bare.into_inner()
     }
 
     /// The table at the top.
@@ -88,9 +110,7 @@ impl Form {
         changes: &[Change],
         read: impl FnOnce(&Section) -> Option<T>,
     ) -> Result<T, InputError> {
-        let (source, problems) = (source.clone(), RefCell::default());
-        let form = Form { source, problems, described: None, changes: changes.to_vec() };
-        let source = &form.source;
+        let form = Form::new(source, changes);
         let (mut table, errors) = DeTable::parse_recoverable(source.text());
         if errors.is_empty() {
             for change in changes {

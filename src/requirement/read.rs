@@ -101,6 +101,16 @@ pub fn describe() -> Description {
     Form::describe(SKELETON, |root| read_robot(root, None, &mut reader))
 }
 
+/// Bare numbers of a program, each with its place and unit.
+pub(super) fn bare_numbers(
+    source: &Arc<Source>,
+    changes: &[Change],
+    motions: &mut dyn Motions,
+) -> Vec<(std::ops::Range<usize>, &'static str)> {
+    let mut reader = MotionReader::new(motions);
+    Form::bare_numbers(source, changes, |root| read_robot(root, None, &mut reader))
+}
+
 pub(super) fn read_as(
     source: &Arc<Source>,
     changes: &[Change],

@@ -6,6 +6,7 @@
 use std::sync::Arc;
 
 use toml::de::DeValue;
+use toml_edit::{DocumentMut, Item, TableLike, Value};
 
 use super::motions::{FromDisk, Motions};
 use super::read;
@@ -171,6 +172,27 @@ impl Settings {
         Ok(robot)
     }
 
+    /// The text of a requirement's file with them in it: comments stay, bare numbers of a program get their units, and factors on
+    /// all motions become those of each joint. Motions that were handed over keep the names that stand for them.
+    pub fn to_toml(&self, source: &Arc<Source>, motions: &mut dyn Motions) -> String {
+        let changes: Vec<Change> = self.changes.iter().filter(|c| !is_scale(c.key())).cloned().collect();
+        let bare = read::bare_numbers(source, &changes, motions);
+        let text = with_units(source.text(), bare.iter().filter(|(span, _)| span.start < Change::ELSEWHERE).cloned());
+        let Ok(mut document) = text.parse::<DocumentMut>() else { return text };
+        for change in &changes {
+            let units = bare.iter().filter_map(|(span, unit)| Some((change.within(span)?, *unit)));
+            let value = with_units(change.text(), units.filter(|(span, _)| !span.is_empty()));
+            if let Ok(value) = value.parse::<Value>() {
+                put(document.as_table_mut(), change.key(), &value);
+            }
+        }
+        let ([torque, speed], _) = self.factors();
+        for (name, factor) in [("torque", torque), ("speed", speed)].into_iter().filter(|(_, factor)| *factor != 1.0) {
+            scale_all(&mut document, name, factor);
+        }
+        document.to_string()
+    }
+
     /// That factors on motions are numbers that can be such.
     ///
     /// # Errors
@@ -209,6 +231,73 @@ impl Settings {
 
 fn is_scale(key: &str) -> bool {
     key == "scale" || key.starts_with("scale.")
+}
+
+/// A text in which some numbers get their units.
+fn with_units(text: &str, units: impl Iterator<Item = (std::ops::Range<usize>, &'static str)>) -> String {
+    let mut units: Vec<_> = units.filter(|(span, _)| span.end <= text.len()).collect();
+    units.sort_by_key(|(span, _)| std::cmp::Reverse(span.start));
+    // A value that a reader asks for twice is there twice.
+    units.dedup();
+    let mut text = text.to_string();
+    for (span, unit) in units {
+        let number = text[span.clone()].to_string();
+        text.replace_range(span, &format!("\"{number} {unit}\""));
+    }
+    text
+}
+
+/// Puts a value at a path, as a change is applied to what is read.
+fn put(table: &mut dyn TableLike, path: &str, value: &Value) {
+    let Some((first, rest)) = path.split_once('.') else {
+        table.insert(path, Item::Value(value.clone()));
+        return;
+    };
+    if !table.contains_key(first) {
+        table.insert(first, Item::Table(toml_edit::Table::new()));
+    }
+    let Some(item) = table.get_mut(first) else { return };
+    if let Some(inner) = item.as_table_like_mut() {
+        put(inner, rest, value);
+        return;
+    }
+    let of = |inner: &mut dyn TableLike| {
+        let name = inner.get("name").and_then(|name| name.as_str()).unwrap_or_default().to_string();
+        let of_this = rest.strip_prefix(name.as_str()).and_then(|rest| rest.strip_prefix('.'));
+        if let Some(rest) = rest.strip_prefix("*.").or(of_this) {
+            put(inner, rest, value);
+        }
+    };
+    each_table(item, of);
+}
+
+/// Goes through the tables of a list.
+fn each_table(item: &mut Item, mut of: impl FnMut(&mut dyn TableLike)) {
+    match item {
+        Item::ArrayOfTables(tables) => tables.iter_mut().for_each(|table| of(table)),
+        Item::Value(Value::Array(items)) => {
+            items.iter_mut().filter_map(Value::as_inline_table_mut).for_each(|table| of(table));
+        }
+        _ => {}
+    }
+}
+
+/// Multiplies a factor of every joint, or of each of its load cases.
+fn scale_all(document: &mut DocumentMut, name: &str, factor: f64) {
+    let one = |table: &mut dyn TableLike| {
+        if !table.contains_key("scale") {
+            table.insert("scale", Item::Value(Value::InlineTable(toml_edit::InlineTable::new())));
+        }
+        let Some(scale) = table.get_mut("scale").and_then(Item::as_table_like_mut) else { return };
+        let number = |item: &Item| item.as_float().or(item.as_integer().map(|whole| whole as f64));
+        let before = scale.get(name).and_then(number).unwrap_or(1.0);
+        scale.insert(name, toml_edit::value(before * factor));
+    };
+    let Some(joints) = document.get_mut("joint") else { return };
+    each_table(joints, |joint| match joint.get_mut("case") {
+        Some(cases) => each_table(cases, one),
+        None => one(joint),
+    });
 }
 
 /// Multiplies the motions of all joints: torques by the one factor; the same positions at another speed by the other.

@@ -202,6 +202,7 @@ impl Section<'_> {
                     self.form.note(problem.help(format!("did you mean \"{number} degC\"?")));
                     return None;
                 }
+                self.form.bare.borrow_mut().push((value.span(), kind.si));
                 return Some(number);
             }
             DeValue::Integer(_) | DeValue::Float(_) => {
