@@ -46,6 +46,8 @@ def rollouts(
 
 
 def _episodes(episodes: "Any") -> "Iterable[Mapping[str, Any]]":
+    import zipfile
+
     import numpy
 
     if isinstance(episodes, str) or hasattr(episodes, "__fspath__"):
@@ -54,7 +56,7 @@ def _episodes(episodes: "Any") -> "Iterable[Mapping[str, Any]]":
             try:
                 with numpy.load(path, allow_pickle=False) as file:
                     episodes = {name: file[name] for name in file.files}
-            except (OSError, ValueError, EOFError, KeyError) as why:
+            except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile) as why:
                 raise InputError._said(f"{path}: cannot be read as an .npz file: {why}") from None
         elif path.endswith(".parquet"):
             yield from _parquet(path)

@@ -1,6 +1,7 @@
 """Requirements: what is written down can be read again."""
 
 import pathlib
+import typing
 
 import numpy as np
 import pytest
@@ -80,7 +81,7 @@ def test_rollouts(tmp_path: pathlib.Path) -> None:
     torque = np.stack([np.stack([load, 0 * t], -1)] * episodes) + 0.02 * acceleration + 0.3 * speed
     done = np.zeros((episodes, steps), bool)
     done[1, 99] = True
-    arrays = {"dt": 0.002, "torque": torque, "velocity": speed, "acceleration": acceleration, "done": done, "names": np.array(["hip", "knee"])}
+    arrays: dict[str, typing.Any] = {"dt": 0.002, "torque": torque, "velocity": speed, "acceleration": acceleration, "done": done, "names": np.array(["hip", "knee"])}
     made = gw.rollouts(arrays, "hip", armature=0.02, damping="0.3 N*m*s/rad")
     assert len(made) == 400 + 100 + 400
     np.testing.assert_allclose(made.torque[:400], load, rtol=1e-12)
@@ -88,7 +89,7 @@ def test_rollouts(tmp_path: pathlib.Path) -> None:
     path = tmp_path / "episodes.npz"
     np.savez(path, **arrays)
     assert gw.rollouts(path, "hip", armature=0.02, damping=0.3) == made
-    each = [
+    each: list[dict[str, typing.Any]] = [
         {"dt": 0.002, "torque": torque[e, :, 0], "velocity": speed[e, :, 0], "acceleration": acceleration[e, :, 0], "done": done[e]}
         for e in range(episodes)
     ]
@@ -115,7 +116,7 @@ def test_rollouts(tmp_path: pathlib.Path) -> None:
 
 
 def test_wrong_rollouts(tmp_path: pathlib.Path) -> None:
-    good = {"dt": 0.01, "torque": np.ones(20), "velocity": np.ones(20)}
+    good: dict[str, typing.Any] = {"dt": 0.01, "torque": np.ones(20), "velocity": np.ones(20)}
     wrong: list[tuple[object, str]] = [
         ([{**good, "velocity": np.ones(19)}], "`velocity` has 19 steps"),
         ([{**good, "speed": np.ones(20)}], "`speed` is no key"),
