@@ -196,17 +196,20 @@ impl Row {
         };
         prepared.asked.retain(|limit| asked.limits.has(limit.limit.name));
         let fixed = prepared.candidate.catalog_gear.map(|gear| gear.ratio);
+        let judged = |unchecked: Vec<Remark>| {
+            let looked: Vec<Remark> = unchecked.into_iter().filter(|(name, _)| asked.limits.has(name)).collect();
+            unjudged(robot, joint, &looked).is_empty()
+        };
+        // What can be judged at some ratios only takes long to judge: not where nobody looks at it.
+        let goes_with_ratio = prepared.judged_at_ratio().any(|name| asked.limits.has(name));
+        let anywhere = judged(prepared.judged_anywhere().unchecked);
         let at = |ratio: &f64| {
-            let judged = |unchecked: Vec<Remark>| {
-                let looked: Vec<Remark> = unchecked.into_iter().filter(|(name, _)| asked.limits.has(name)).collect();
-                unjudged(robot, joint, &looked).is_empty()
-            };
             // A module has the ratio of its gear alone.
             let allowed = match fixed {
                 Some(own) => (ratio / own - 1.0).abs() < 1e-9,
                 None => joint.ratio.allows(*ratio),
             };
-            let judged = judged(prepared.unchecked_at(*ratio));
+            let judged = if goes_with_ratio { judged(prepared.unchecked_at(*ratio)) } else { anywhere };
             let evaluation = prepared.at(*ratio);
             let objective = evaluation.objective(&joint.objective).unwrap_or(f64::NAN);
             let slope = prepared.loss_slope(*ratio).unwrap_or(f64::NAN);
