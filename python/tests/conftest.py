@@ -4,8 +4,13 @@ import pathlib
 
 import numpy as np
 import pytest
+from hypothesis import settings
 
 import gearwise as gw
+
+# The same cases in every run.
+settings.register_profile("same", derandomize=True)
+settings.load_profile("same")
 
 ROOT = pathlib.Path(__file__).parents[2]
 
