@@ -32,14 +32,9 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from os import PathLike
-    from typing import Any, final
+    from typing import Any
 
     from gearwise._native import Motion
-else:
-
-    def final(of):
-        """As `typing.final`, without the time that `typing` takes to load."""
-        return of
 '''
 # Class, table of the file, its text, keys that come first and may be given by their place.
 CLASSES = [
@@ -112,7 +107,7 @@ def words() -> str:
         if meaning != REFUSED and value != "–":
             tables.setdefault(table, []).append((name, value, meaning))
     out = '"""What is asked, in the words of a requirement file: the reader of files checks it."""\n\n' + HEAD + LIGHT
-    out += "\nfrom gearwise._table import Words\n"
+    out += "\nfrom gearwise._light import final\nfrom gearwise._table import Words\n"
     for name, table, about, first in CLASSES:
         keys = [(NAMES.get((name, key), key), key, value, meaning) for key, value, meaning in tables[table]]
         keys.sort(key=lambda k: first.index(k[0]) if k[0] in first else len(first))
@@ -174,7 +169,7 @@ def design() -> str:
     solved = {"window", "binds", "binds_at", "windows", "shadow_prices", "sensitivity", "certificate"}
     out = '"""A design: a motor with its ratio or gear at a joint."""\n\n' + HEAD
     out += LIGHT.replace("    from os import PathLike\n", "").replace("\n    from gearwise._native import Motion\n", "")
-    out += "\nfrom gearwise._table import Record\n"
+    out += "\nfrom gearwise._light import final\nfrom gearwise._table import Record\n"
     about = (
         "A motor with its ratio or gear at a joint. Its attributes are the keys of the JSON, in SI with the unit in "
         "the name; what is not known is None."

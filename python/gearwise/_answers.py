@@ -3,26 +3,18 @@
 from gearwise import _native
 from gearwise._design import Design
 from gearwise._errors import NoDesign
+from gearwise._light import final, overload
 from gearwise._table import Table
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
-    from typing import Any, final, overload
+    from typing import Any
 
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
     F = NDArray[np.float64]
-else:
-
-    def final(of):
-        """As `typing.final`, without the time that `typing` takes to load."""
-        return of
-
-    def overload(of):
-        """As `typing.overload`."""
-        return of
 
 
 @final

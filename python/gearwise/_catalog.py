@@ -2,18 +2,14 @@
 
 from gearwise import _native
 from gearwise._errors import InputError
+from gearwise._light import final
 from gearwise._table import Table
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
     from os import PathLike
-    from typing import Any, final
-else:
-
-    def final(of):
-        """As `typing.final`, without the time that `typing` takes to load."""
-        return of
+    from typing import Any
 
 
 @final

@@ -5,13 +5,9 @@
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
-    from typing import Any, final
-else:
+    from typing import Any
 
-    def final(of):
-        """As `typing.final`, without the time that `typing` takes to load."""
-        return of
-
+from gearwise._light import final
 from gearwise._table import Record
 
 

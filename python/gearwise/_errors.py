@@ -1,14 +1,10 @@
 """What goes wrong."""
 
+from gearwise._light import final
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from typing import final
-else:
-
-    def final(of):
-        """As `typing.final`, without the time that `typing` takes to load."""
-        return of
 
 
 @final

@@ -6,15 +6,11 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from os import PathLike
-    from typing import Any, final
+    from typing import Any
 
     from gearwise._native import Motion
-else:
 
-    def final(of):
-        """As `typing.final`, without the time that `typing` takes to load."""
-        return of
-
+from gearwise._light import final
 from gearwise._table import Words
 
 

@@ -149,12 +149,16 @@ fn points(motion: &Motion, k: usize, torque: f64, rate: f64) -> impl Iterator<It
     signs.iter().map(point).collect::<Vec<_>>().into_iter()
 }
 
+/// The samples of a motion at these places.
+fn plain(motion: &Motion, looked: &[usize]) -> Waveform {
+    let at = |k: &usize| points(motion, *k, motion.torque[*k], motion.torque_rate[*k]);
+    Waveform::new(&looked.iter().flat_map(at).collect::<Vec<_>>())
+}
+
 impl Load {
     /// Prepares a motion.
     pub fn new(motion: &Motion, ripple: Option<Ripple>) -> Load {
         let looked = motion.looked_at();
-        let plain: Vec<WavePoint> =
-            looked.iter().flat_map(|k| points(motion, *k, motion.torque[*k], motion.torque_rate[*k])).collect();
         let bandwidth = ripple.map(|ripple| {
             let TorqueBandwidth { frequency, amplitude } = ripple.bandwidth;
             let omega = std::f64::consts::TAU * frequency;
@@ -181,7 +185,7 @@ impl Load {
         let (mean, standstill) = (moments(&in_means, &motion.weight), moments(&in_means, &motion.dwell));
         let actuators: Vec<Load> = motion.actuators().iter().map(|each| Load::new(each, None)).collect();
         Load {
-            waveform: Waveform::new(&plain),
+            waveform: plain(motion, &looked),
             bandwidth,
             peak_speed: largest(&motion.velocity),
             peak_torque: largest(&motion.torque),
@@ -217,12 +221,7 @@ impl Load {
 
     /// The same with limits at other samples of its motion; without a bandwidth torque.
     pub(crate) fn looked_at(&self, motion: &Motion) -> Load {
-        let plain: Vec<WavePoint> = motion
-            .looked_at()
-            .into_iter()
-            .flat_map(|k| points(motion, k, motion.torque[k], motion.torque_rate[k]))
-            .collect();
-        Load { waveform: Waveform::new(&plain), ..self.clone() }
+        Load { waveform: plain(motion, &motion.looked_at()), ..self.clone() }
     }
 
     /// What each of two actuators does that do this at the same time; empty where it is one.

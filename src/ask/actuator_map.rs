@@ -5,7 +5,7 @@
 
 use rayon::prelude::*;
 
-use super::rows::{Rows, find_motor};
+use super::rows::Rows;
 use super::{Failure, chosen, evaluate, settled};
 use crate::catalog::Motor;
 use crate::design::simulated::{Figures, SimulatedJoint};
@@ -45,19 +45,13 @@ pub fn actuator_map(
     if let Some(wrong) = speeds.iter().find(|speed| !speed.is_finite()) {
         return Err(Failure::Argument(format!("{wrong} is not a speed")));
     }
-    let catalog = match motors {
-        Some(ids) => rows.with_named(robot, ids.iter().map(String::as_str)),
-        None => rows.for_robot(robot)?,
-    };
+    let catalog = rows.for_motors(robot, motors)?;
     let robot = settled(robot.clone(), &catalog)?;
     let joint = chosen::joint(&robot, None)?;
     if matches!(joint.ratio, RatioChoice::Catalog { .. }) {
         return Err(Failure::Argument("the ratios of gears of the catalogue are theirs".into()));
     }
-    let found: Vec<&Motor> = match motors {
-        Some(ids) => ids.iter().map(|id| find_motor(&catalog, id)).collect::<Result<_, _>>()?,
-        None => catalog.motors.iter().collect(),
-    };
+    let found = evaluate::motors(&catalog, motors, joint)?;
     let demand = JointDemand::new(joint, &catalog);
     let of_motor = |motor: &&Motor| {
         let candidate =

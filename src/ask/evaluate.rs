@@ -153,16 +153,18 @@ pub(super) fn check_ratios(ratios: &[f64]) -> Result<(), Failure> {
 
 /// The robot and the catalogue made ready for each other.
 fn ready(robot: &Robot, rows: &Rows, asked: &Asked) -> Result<(Robot, Arc<Catalog>), Failure> {
-    let ids = asked.motors.iter().flatten().map(String::as_str);
-    let named = asked.motors.iter().flatten().any(|id| rows.catalog().motors.iter().all(|motor| motor.id != *id));
-    let catalog = if named { rows.with_named(robot, ids) } else { rows.for_robot(robot)? };
+    let catalog = rows.for_motors(robot, asked.motors.as_deref())?;
     let robot = settled(robot.clone(), &catalog)?;
     let robot = balanced(&robot, &catalog, crate::design::Options::default())?;
     Ok((robot, catalog))
 }
 
 /// The motors that are asked for.
-fn motors<'c>(catalog: &'c Catalog, ids: Option<&[String]>, joint: &Joint) -> Result<Vec<&'c Motor>, Failure> {
+pub(super) fn motors<'c>(
+    catalog: &'c Catalog,
+    ids: Option<&[String]>,
+    joint: &Joint,
+) -> Result<Vec<&'c Motor>, Failure> {
     let found: Vec<&Motor> = match ids {
         Some(ids) => ids.iter().map(|id| find_motor(catalog, id)).collect::<Result<_, _>>()?,
         None => catalog.motors.iter().filter(|motor| joint.motors.allows(motor)).collect(),

@@ -94,7 +94,8 @@ impl Ready {
     /// # Errors
     /// Mistakes in rules, patterns that name nothing, what does not go together.
     pub fn new(robot: Robot, rows: &Rows, asked: &Asked, one_by_one: bool, watch: &Watch) -> Result<Ready, Failure> {
-        Ready::of(robot.clone(), rows.for_robot(&robot)?, asked, one_by_one, watch)
+        let catalog = rows.for_robot(&robot)?;
+        Ready::of(robot, catalog, asked, one_by_one, watch)
     }
 
     /// The same with the catalogue that is chosen from.

@@ -34,6 +34,9 @@ pub struct Robust {
 
 /// A catalogue with the tolerances that are taken for those that its rows do not state.
 pub fn with_tolerances(catalog: Arc<Catalog>, taken: &Taken) -> Arc<Catalog> {
+    if *taken == Taken::default() {
+        return catalog;
+    }
     let mut catalog = Arc::unwrap_or_clone(catalog);
     if let Some(share) = taken.tolerance {
         assume_tolerance(&mut catalog.motors, share);

@@ -86,6 +86,18 @@ impl Rows {
         Arc::new(catalog.with_turns(&robot.listed_turns()).with_named(ids, allow))
     }
 
+    /// For motors of these ids at a robot's joints; `None` for all that may be chosen. What is a row already is not made again.
+    ///
+    /// # Errors
+    /// There is nothing to choose from.
+    pub fn for_motors(&self, robot: &Robot, ids: Option<&[String]>) -> Result<Arc<Catalog>, Failure> {
+        let is_row = |id: &String| self.catalog.motors.iter().any(|motor| motor.id == *id);
+        match ids.filter(|ids| !ids.iter().all(is_row)) {
+            Some(ids) => Ok(self.with_named(robot, ids.iter().map(String::as_str))),
+            None => self.for_robot(robot),
+        }
+    }
+
     /// With the modules of these ids.
     pub fn with_modules(&self, ids: &[String]) -> Arc<Catalog> {
         Arc::new(Arc::unwrap_or_clone(self.catalog.clone()).with_modules(ids.iter(), self.completing()))
