@@ -747,11 +747,13 @@ impl Load {
         Some((course, heat, temperature))
     }
 
-    /// The largest squared current \[A²\] at a ratio, with that of samples at standstill increased by the share
+    /// The squared current \[A²\] of every sample at a ratio, with that of samples at standstill increased by the share
     /// `standing` of itself.
-    pub fn largest_squared_current(&self, actuator: &Actuator, standing: f64, ratio: f64) -> f64 {
-        let heat = self.copper_heat(actuator, ratio).into_iter().enumerate();
-        heat.map(|(k, heat)| self.held(k, standing) * heat / actuator.resistance).fold(0.0, f64::max)
+    pub fn squared_currents(&self, actuator: &Actuator, standing: f64, ratio: f64) -> Vec<f64> {
+        let mut squares = self.copper_heat(actuator, ratio);
+        let per_heat = 1.0 / actuator.resistance;
+        squares.iter_mut().enumerate().for_each(|(k, heat)| *heat *= self.held(k, standing) * per_heat);
+        squares
     }
 
     /// The largest heat at standstill \[W\] at a ratio, at the reference temperature; how long the motion stands in all
@@ -785,17 +787,8 @@ impl Load {
         if self.rest[k] > 0.0 { 1.0 + standing } else { 1.0 }
     }
 
-    /// The squared current over the motion \[A²\] at a ratio, in the order of time, and whether it repeats; that of
-    /// samples at standstill is increased by the share `standing` of itself. Operating points go from the coolest to the
-    /// hottest: the order that is worst where they repeat. Without durations it is empty.
-    pub fn squared_current_course(&self, actuator: &Actuator, standing: f64, ratio: f64) -> (Vec<Piece>, bool) {
-        let heat = self.copper_heat(actuator, ratio).into_iter().enumerate();
-        let per_heat = 1.0 / actuator.resistance;
-        self.course_of(heat.map(|(k, heat)| self.held(k, standing) * heat * per_heat).collect())
-    }
-
     /// The squared torque over the motion at a flange that has an inertia of its own \[kg·m²\] to turn \[N²·m²\], as
-    /// [`Load::squared_current_course`]; at standstill it counts twice, as the worst phase's heat does. `None` without durations.
+    /// [`Load::course_of`]; at standstill it counts twice, as the worst phase's heat does. `None` without durations.
     pub fn flange_course(&self, inertia: f64) -> Option<(Vec<Piece>, bool)> {
         let square = |(k, sample): (usize, &WavePoint)| self.held(k, 1.0) * sample.flange_torque(inertia).powi(2);
         self.has_flange_course().then(|| self.course_of(self.samples.iter().enumerate().map(square).collect()))
@@ -812,8 +805,9 @@ impl Load {
         self.samples.iter().enumerate().map(square).sum()
     }
 
-    /// Squares of the samples in the order of time, and whether they repeat.
-    fn course_of(&self, squares: Vec<f64>) -> (Vec<Piece>, bool) {
+    /// Squared currents or torques of the samples over the motion, in the order of time, and whether they repeat. Operating
+    /// points go from the coolest to the hottest: the order that is worst where they repeat. Without durations it is empty.
+    pub fn course_of(&self, squares: Vec<f64>) -> (Vec<Piece>, bool) {
         let Some(course) = &self.course else {
             let Some(lasts) = self.duration else { return (Vec::new(), true) };
             let points = squares.iter().zip(self.weight.iter());

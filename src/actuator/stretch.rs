@@ -106,6 +106,25 @@ pub fn lagged(course: &[Piece], time_constant: f64, repeats: bool) -> f64 {
     over(start).1
 }
 
+/// How long a course lasts \[s\], and the mean of its squared current \[A²\]: zero where it lasts no time.
+pub(crate) fn mean(course: &[Piece]) -> (f64, f64) {
+    let sum = |(lasts, sum): (f64, f64), piece: &Piece| {
+        (lasts + piece.duration, sum + 0.5 * piece.duration * (piece.from + piece.to))
+    };
+    let (lasts, sum) = course.iter().fold((0.0, 0.0), sum);
+    (lasts, if lasts > 0.0 { sum / lasts } else { 0.0 })
+}
+
+/// Whether [`lagged`] is within a steady limit \[A²\].
+pub(crate) fn lags_within(course: &[Piece], time_constant: f64, repeats: bool, limit: f64) -> bool {
+    // In the state that repeats the response is at its mean at some time, from where it rises by no more than what is above
+    // the mean, over the time constant; a motion that happens once starts below it.
+    let (_, mean) = mean(course);
+    let above = |piece: &Piece| 0.5 * piece.duration * ((piece.from - mean).max(0.0) + (piece.to - mean).max(0.0));
+    let most = mean + course.iter().map(above).sum::<f64>() / time_constant;
+    is_within(most, limit) || is_within(lagged(course, time_constant, repeats), limit)
+}
+
 /// The piece, cut where it crosses the limit: how long each part lasts, and its excess over the limit \[A²·s\].
 fn of_one_sign(piece: &Piece, limit: f64) -> ((f64, f64), Option<(f64, f64)>) {
     let (from, to) = (piece.from - limit, piece.to - limit);
@@ -155,6 +174,37 @@ mod tests {
         let of = |tau: f64| lagged(&course, tau, true);
         let taus = [0.3, 0.7, 1.5, 5.0, 40.0];
         assert!(taus.windows(2).all(|t| of(t[0]) >= of(t[1])));
+    }
+
+    #[test]
+    fn what_is_shown_by_mean_and_excess_is_so_where_the_lag_is_followed() {
+        let mut seed = 7_u64;
+        let mut random = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let (mut within, mut beyond) = (0, 0);
+        for _ in 0..2000 {
+            let mut from = 9.0 * random();
+            let course: Vec<Piece> = (0..5)
+                .map(|_| {
+                    let to = 9.0 * random();
+                    let piece = Piece { duration: 2.0 * random(), from, to };
+                    from = if random() < 0.3 { 9.0 * random() } else { to };
+                    piece
+                })
+                .collect();
+            let (tau, limit, repeats) = (0.2 + 5.0 * random(), 2.0 + 5.0 * random(), random() < 0.5);
+            let followed = lagged(&course, tau, repeats);
+            assert_eq!(lags_within(&course, tau, repeats, limit), is_within(followed, limit));
+            let (lasts, mean) = mean(&course);
+            // Neither says more than the lag that is followed, and no stretch is longer than all.
+            assert!(!repeats || followed >= mean * (1.0 - 1e-9));
+            let stretch = longest(&course, limit, repeats);
+            assert!(stretch <= lasts * (1.0 + 1e-9) || (repeats && mean > limit));
+            if is_within(followed, limit) { within += 1 } else { beyond += 1 }
+        }
+        assert!(within > 300 && beyond > 300, "{within} {beyond}");
     }
 
     #[test]

@@ -178,25 +178,40 @@ pub(super) fn motors<'c>(
 /// A motor at all ratios.
 struct Row {
     unusable: Option<String>,
+    unknown_losses: Vec<&'static str>,
+    /// The limits that its margins are of, in the order of [`LIMITS`].
+    limits: Vec<&'static str>,
     at: Vec<At>,
+    /// Margin and sample of each limit at each ratio, the limit fastest.
+    margins: Vec<(f64, i64)>,
 }
 
 /// A motor at a ratio.
 struct At {
     feasible: bool,
     judged: bool,
-    evaluation: Evaluation,
-    objective: f64,
-    slope: f64,
+    figures: [f64; FIGURES],
 }
 
+/// Numbers of a design.
+const FIGURES: usize = 8;
+
+/// A margin that is not known, of no sample.
+const NO_MARGIN: (f64, i64) = (f64::NAN, -1);
+
 impl Row {
+    fn unusable(why: String) -> Row {
+        Row { unusable: Some(why), unknown_losses: Vec::new(), limits: Vec::new(), at: Vec::new(), margins: Vec::new() }
+    }
+
     fn new(prepared: Result<Prepared, String>, robot: &Robot, joint: &Joint, asked: &Asked) -> Row {
         let mut prepared = match prepared {
             Ok(prepared) => prepared,
-            Err(why) => return Row { unusable: Some(why), at: Vec::new() },
+            Err(why) => return Row::unusable(why),
         };
         prepared.asked.retain(|limit| asked.limits.has(limit.limit.name));
+        let is_asked = |name: &&str| prepared.asked.iter().any(|limit| limit.limit.name == *name);
+        let limits: Vec<&'static str> = LIMITS.iter().map(|limit| limit.name).filter(is_asked).collect();
         let fixed = prepared.candidate.catalog_gear.map(|gear| gear.ratio);
         let judged = |unchecked: Vec<Remark>| {
             let looked: Vec<Remark> = unchecked.into_iter().filter(|(name, _)| asked.limits.has(name)).collect();
@@ -205,44 +220,69 @@ impl Row {
         // What can be judged at some ratios only takes long to judge: not where nobody looks at it.
         let goes_with_ratio = prepared.judged_at_ratio().any(|name| asked.limits.has(name));
         let anywhere = judged(prepared.judged_anywhere().unchecked);
-        let at = |ratio: &f64| {
+        let mut unknown_losses = Vec::new();
+        let mut margins = Vec::with_capacity(limits.len() * asked.ratios.len());
+        let mut at = Vec::with_capacity(asked.ratios.len());
+        for (k, &ratio) in asked.ratios.iter().enumerate() {
             // A module has the ratio of its gear alone.
             let allowed = match fixed {
                 Some(own) => (ratio / own - 1.0).abs() < 1e-9,
-                None => joint.ratio.allows(*ratio),
+                None => joint.ratio.allows(ratio),
             };
-            let judged = if goes_with_ratio { judged(prepared.unchecked_at(*ratio)) } else { anywhere };
-            let evaluation = prepared.at(*ratio);
-            let objective = evaluation.objective(&joint.objective).unwrap_or(f64::NAN);
-            let slope = prepared.loss_slope(*ratio).unwrap_or(f64::NAN);
-            At { feasible: evaluation.feasible && allowed, judged, evaluation, objective, slope }
-        };
-        Row { unusable: None, at: asked.ratios.iter().map(at).collect() }
+            let judged = if goes_with_ratio { judged(prepared.unchecked_at(ratio)) } else { anywhere };
+            let evaluation = prepared.at(ratio);
+            if k == 0 {
+                unknown_losses = evaluation.unknown_losses.iter().map(|part| part.words()).collect();
+            }
+            let slope = prepared.loss_slope(ratio).unwrap_or(f64::NAN);
+            let figures = figures(&evaluation, joint, slope);
+            at.push(At { feasible: evaluation.feasible && allowed, judged, figures });
+            margins.extend(limits.iter().map(|name| least(&evaluation, name)));
+        }
+        Row { unusable: None, unknown_losses, limits, at, margins }
     }
 }
 
+/// The numbers of a design, in the order of [`Evaluated::figures`].
+fn figures(e: &Evaluation, joint: &Joint, slope: f64) -> [f64; FIGURES] {
+    [
+        e.loss,
+        slope,
+        e.peak_current,
+        e.rms_current,
+        e.mean_power,
+        e.reflected_inertia,
+        e.mass.unwrap_or(f64::NAN),
+        e.objective(&joint.objective).unwrap_or(f64::NAN),
+    ]
+}
+
+/// Margin and sample of a limit. Of one that is asked several times (of each actuator, at each end of the drag) the least counts.
+fn least(evaluation: &Evaluation, name: &str) -> (f64, i64) {
+    let of = evaluation.margins.iter().filter(|margin| margin.limit == name);
+    let least = of.reduce(|a, b| if b.margin < a.margin { b } else { a });
+    least.map_or(NO_MARGIN, |least| (least.margin, least.sample.map_or(-1, |k| k as i64)))
+}
+
 fn gather(motors: &[&Motor], rows: Vec<Row>, asked: &Asked) -> Evaluated {
-    let there = |name: &str| {
-        let margins = rows.iter().flat_map(|row| &row.at).flat_map(|at| &at.evaluation.margins);
-        margins.into_iter().any(|margin| margin.limit == name)
-    };
-    let limits: Vec<&'static str> = LIMITS.iter().map(|limit| limit.name).filter(|name| there(name)).collect();
+    let is_of = |name: &&str| rows.iter().any(|row| row.limits.contains(name));
+    let limits: Vec<&'static str> = LIMITS.iter().map(|limit| limit.name).filter(is_of).collect();
     let mut all = Evaluated { ratio: asked.ratios.clone(), limits, ..Evaluated::default() };
+    let designs = motors.len() * asked.ratios.len();
+    all.figures().into_iter().for_each(|figure| figure.reserve_exact(designs));
+    all.margin.reserve_exact(designs * all.limits.len());
+    all.sample.reserve_exact(designs * all.limits.len());
     for (motor, row) in motors.iter().zip(rows) {
         all.motors.push(motor.id.clone());
-        if let Some(why) = row.unusable {
-            all.unusable.push((motor.id.clone(), why));
-            asked.ratios.iter().for_each(|_| all.push_nothing());
-        }
-        let unknown = row.at.first().map(|at| at.evaluation.unknown_losses.iter().map(|part| part.words()).collect());
-        all.unknown_losses.push(unknown.unwrap_or_default());
-        row.at.iter().for_each(|at| all.push(at));
+        all.push(&row, asked.ratios.len());
+        all.unknown_losses.push(row.unknown_losses);
+        all.unusable.extend(row.unusable.map(|why| (motor.id.clone(), why)));
     }
     all
 }
 
 impl Evaluated {
-    fn figures(&mut self) -> [&mut Vec<f64>; 8] {
+    fn figures(&mut self) -> [&mut Vec<f64>; FIGURES] {
         [
             &mut self.loss,
             &mut self.loss_slope,
@@ -255,36 +295,22 @@ impl Evaluated {
         ]
     }
 
-    fn push_nothing(&mut self) {
-        self.feasible.push(false);
-        self.judged.push(false);
-        self.figures().into_iter().for_each(|figure| figure.push(f64::NAN));
-        let limits = self.limits.len();
-        self.margin.extend(std::iter::repeat_n(f64::NAN, limits));
-        self.sample.extend(std::iter::repeat_n(-1, limits));
-    }
-
-    fn push(&mut self, at: &At) {
-        let e = &at.evaluation;
-        self.feasible.push(at.feasible);
-        self.judged.push(at.judged);
-        let values = [
-            e.loss,
-            at.slope,
-            e.peak_current,
-            e.rms_current,
-            e.mean_power,
-            e.reflected_inertia,
-            e.mass.unwrap_or(f64::NAN),
-            at.objective,
-        ];
-        self.figures().into_iter().zip(values).for_each(|(figure, value)| figure.push(value));
-        for limit in &self.limits {
-            // Of a limit that is asked several times (of each actuator, at each end of the drag) the least margin counts.
-            let of = e.margins.iter().filter(|margin| margin.limit == *limit);
-            let least = of.reduce(|a, b| if b.margin < a.margin { b } else { a });
-            self.margin.push(least.map_or(f64::NAN, |m| m.margin));
-            self.sample.push(least.and_then(|m| m.sample).map_or(-1, |k| k as i64));
+    /// Adds a motor at so many ratios.
+    fn push(&mut self, row: &Row, ratios: usize) {
+        // Where the row's own limits are; none of a motor that cannot be used.
+        let own = |name: &&'static str| row.limits.iter().position(|limit| limit == name);
+        let places: Vec<Option<usize>> = self.limits.iter().map(own).collect();
+        for k in 0..ratios {
+            let at = row.at.get(k);
+            self.feasible.push(at.is_some_and(|at| at.feasible));
+            self.judged.push(at.is_some_and(|at| at.judged));
+            let values = at.map_or([f64::NAN; FIGURES], |at| at.figures);
+            self.figures().into_iter().zip(values).for_each(|(figure, value)| figure.push(value));
+            for place in &places {
+                let (margin, sample) = place.map_or(NO_MARGIN, |place| row.margins[k * row.limits.len() + place]);
+                self.margin.push(margin);
+                self.sample.push(sample);
+            }
         }
     }
 }

@@ -55,13 +55,15 @@ pub struct Prepared<'a> {
 struct Means {
     torque_squared: Laurent,
     losses: LossTerms,
+    /// Terminal power, with heat as if the iron did not saturate.
+    power: Laurent,
 }
 
 impl Means {
     fn new(candidate: &Candidate, actuator: &Actuator) -> Means {
         let torque_squared = candidate.load.mean_torque_squared(actuator);
         let losses = LossTerms::new(candidate.load, actuator, torque_squared, candidate.standby_power());
-        Means { torque_squared, losses }
+        Means { torque_squared, losses, power: candidate.load.mean_power(actuator) }
     }
 }
 
@@ -417,8 +419,7 @@ impl<'a> Prepared<'a> {
         // The mean power has the heat as if the iron did not saturate.
         let leads = actuator.with_leads();
         let heat = self.copper_of(actuator, means, ratio) + means.torque_squared * -actuator.heating();
-        let behind =
-            self.candidate.load.mean_power(actuator) + heat * leads + means.torque_squared * actuator.conduction();
+        let behind = means.power + heat * leads + means.torque_squared * actuator.conduction();
         Some(drawn + behind * -1.0)
     }
 
@@ -558,7 +559,7 @@ impl<'a> Prepared<'a> {
         // The polynomial of the mean power has the heat as if the iron did not saturate.
         let saturated = if actuator.shortfall.saturates() { copper_loss - self.copper_loss().at(ratio) } else { 0.0 };
         let peak = peaks[0].value.max(peaks[1].value).max(0.0).sqrt();
-        let mean_power = candidate.ends().map(|end| candidate.load.mean_power(end).at(ratio)).fold(f64::MIN, f64::max);
+        let mean_power = self.ends().map(|(_, means)| means.power.at(ratio)).fold(f64::MIN, f64::max);
         Evaluation {
             ratio,
             feasible,

@@ -136,11 +136,12 @@ fn heat_over_the_motion(candidate: &Candidate, ratio: f64) -> Verdict {
     }
     let limit = limit * limit;
     // Even the largest heat, held for ever, would be carried.
-    let largest = load.largest_squared_current(actuator, candidate.standing_share(), ratio);
+    let squares = load.squared_currents(actuator, candidate.standing_share(), ratio);
+    let largest = squares.iter().copied().fold(0.0, f64::max);
     if stretch::is_within(largest, limit) {
         return Verdict::Kept;
     }
-    let (course, repeats) = load.squared_current_course(actuator, candidate.standing_share(), ratio);
+    let (course, repeats) = load.course_of(squares);
     let nodes = candidate.two_node();
     match (nodes, candidate.winding_temperature()) {
         _ if !load.has_durations => {
@@ -148,7 +149,7 @@ fn heat_over_the_motion(candidate: &Candidate, ratio: f64) -> Verdict {
         }
         (Some(node), (hottest, _)) => {
             // The phase that is worst off at standstill is told apart: its own way to the housing answers at once.
-            let (course, _) = load.squared_current_course(actuator, 0.0, ratio);
+            let (course, _) = load.course_of(load.squared_currents(actuator, 0.0, ratio));
             let standing = rise_at_standstill(candidate, &node, hottest, ratio);
             let holds = course.iter().map(|piece| (piece.duration, actuator.resistance * piece.from));
             return match node.rise_at_the_end(holds, hottest) + standing <= hottest - node.ambient {
@@ -200,13 +201,19 @@ pub(super) fn above(
     (largest, limit): (f64, f64),
     (short, least): (f64, f64),
 ) -> Above {
-    let longest = stretch::longest(course, limit, repeats);
-    // As if all of the thermal resistance were the winding's, with its time constant or the least of any: from above.
-    let lagged = || stretch::lagged(course, least, repeats);
+    if stretch::is_within(largest, limit) {
+        return Above::Never;
+    }
+    // Most courses are judged by their mean and by how long they last, without following them.
+    let (lasts, mean) = stretch::mean(course);
+    let brief = |longest: f64| longest < short && largest * longest <= least * limit;
     match () {
-        () if stretch::is_within(largest, limit) => Above::Never,
-        () if longest < short && largest * longest <= least * limit => Above::Briefly,
-        () if stretch::is_within(lagged(), limit) => Above::Bounded,
+        // What is never made up for lasts for ever, and a lag responds by its mean at least.
+        () if repeats && !stretch::is_within(mean, limit) => Above::Open,
+        // No stretch is longer than the period, or than what happens once.
+        () if brief(lasts) || brief(stretch::longest(course, limit, repeats)) => Above::Briefly,
+        // As if all of the thermal resistance were the winding's, with its time constant or the least of any: from above.
+        () if stretch::lags_within(course, least, repeats, limit) => Above::Bounded,
         () => Above::Open,
     }
 }
