@@ -13,7 +13,8 @@ and all workers see. Run again after a stop, it goes on too: with the same numbe
 Who does the work is the executor's business: threads here, tasks of Dask or Ray, an array job of Slurm. Dask
 (`pip install distributed`) and Ray (`pip install ray`) begin a cluster on this machine without --address. For
 another kind of Dask cluster change the line marked CLUSTER below. What follows `--` goes to `gearwise study` as
-it stands; paths in it must mean the same on every worker.
+it stands; paths in it must mean the same on every worker. A worker that has the Python package (`pip install gearwise`)
+needs nothing else; another needs the program `gearwise`, or where --gearwise says it is.
 
 Exit status as `gearwise`: 0 done, 1 done but robots were broken, 2 it could not be done, 130 stopped.
 """
@@ -23,6 +24,7 @@ import concurrent.futures
 import contextlib
 import functools
 import importlib
+import importlib.util
 import logging
 import os
 import pathlib
@@ -37,9 +39,22 @@ import time
 BUSY = "another process works on the study"
 
 
+def found(gearwise):
+    """How gearwise is called on this machine: the program that is named; else the package, else the program of that name."""
+    if gearwise:
+        return [gearwise] if shutil.which(gearwise) else None
+    # The source of the package without its library is no package.
+    if importlib.util.find_spec("gearwise") and importlib.util.find_spec("gearwise._native"):
+        return [sys.executable, "-m", "gearwise"]
+    return ["gearwise"] if shutil.which("gearwise") else None
+
+
 def run_shard(gearwise, study, folder, number, of, threads, cwd):
     """One shard on a worker: begun, or gone on with. Returns its number, its exit status and what it said."""
-    command = [gearwise, "study", *study, "--out", folder, "--shard", f"{number}/{of}", "--resume"]
+    called = found(gearwise)
+    if not called:
+        return number, 2, f"error: on {platform.node()}: gearwise was not found: pip install gearwise, or --gearwise\n"
+    command = [*called, "study", *study, "--out", folder, "--shard", f"{number}/{of}", "--resume"]
     command += ["--threads", str(threads)]
     # What a lost worker had started may still be at it: ten minutes of patience, then another try.
     for _ in range(300):
@@ -152,7 +167,8 @@ def on_slurm(tasks, arguments):
         fail("--executor slurm needs `sbatch`, which was not found: run this where jobs are submitted")
     gearwise, study, folder, _, of, threads, cwd = tasks[0]
     parts = pathlib.Path(folder).parent
-    quoted = {name: shlex.quote(str(value)) for name, value in (("cwd", cwd), ("parts", parts), ("gearwise", gearwise))}
+    quoted = {name: shlex.quote(str(value)) for name, value in (("cwd", cwd), ("parts", parts))}
+    quoted["gearwise"] = shlex.join(found(gearwise))
     (parts / "array.sh").write_text(ARRAY.format(**quoted, study=shlex.join(study), of=of, threads=threads))
     waiting = {task[3]: pathlib.Path(task[2]) for task in tasks}
     for _ in range(arguments.retries + 1):
@@ -224,13 +240,14 @@ def main():
     parser.add_argument("--threads", type=int, default=1, help="threads of each task")
     parser.add_argument("--retries", type=int, default=10, help="how often a shard is tried again")
     parser.add_argument("--sbatch", default="", help="more options of sbatch: --sbatch='--time=60 --mem=2G'")
-    parser.add_argument("--gearwise", default="gearwise", help="the program, as workers find it")
+    parser.add_argument("--gearwise", help="the program, as workers find it; by default the package, else `gearwise`")
     parser.add_argument("study", nargs="+", help="arguments of `gearwise study`")
     arguments = parser.parse_args()
     if arguments.shards < 1 or arguments.threads < 1 or (arguments.workers or 1) < 1:
         fail("--shards, --threads and --workers are 1 or more")
-    if not shutil.which(arguments.gearwise):
-        fail(f"the program `{arguments.gearwise}` was not found: say where it is with --gearwise")
+    if not found(arguments.gearwise):
+        named = f"the program `{arguments.gearwise}`" if arguments.gearwise else "neither the package nor the program `gearwise`"
+        fail(f"{named} was not found: pip install gearwise, or say where the program is with --gearwise")
     try:
         return drive(arguments)
     except OSError as error:
@@ -268,7 +285,7 @@ def drive(arguments):
     if wrong:
         print(f"run it again: what is finished is kept in {parts}", file=sys.stderr)
         return 2
-    return subprocess.run([arguments.gearwise, "merge", str(arguments.out), *folders, "--force"]).returncode
+    return subprocess.run([*found(arguments.gearwise), "merge", str(arguments.out), *folders, "--force"]).returncode
 
 
 if __name__ == "__main__":

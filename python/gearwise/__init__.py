@@ -19,10 +19,12 @@ from gearwise._calls import (
     explain,
     export,
     identify,
+    merge,
     optimize,
     pareto,
     rank,
     robust,
+    study,
     sweep,
 )
 from gearwise._catalog import Catalog
@@ -65,10 +67,12 @@ __all__ = [
     "explain",
     "export",
     "identify",
+    "merge",
     "optimize",
     "pareto",
     "rank",
     "robust",
     "rollouts",
+    "study",
     "sweep",
 ]

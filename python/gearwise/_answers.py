@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
+    from gearwise._catalog import Catalog
+
     F = NDArray[np.float64]
 
 
@@ -226,7 +228,12 @@ class JointResult(Table):
 class Optimized(Answer):
     """The best motors and ratios of each joint. `answer["knee"].best` is the first choice."""
 
-    __slots__ = ()
+    __slots__ = ("_catalog",)
+
+    def __init__(self, of: "_native.Answer", call: str, catalog: "Catalog | None") -> None:
+        """Of a choice of the library, how it was asked for, and the catalogue that it was made from."""
+        super().__init__(of, call)
+        self._catalog = catalog
 
     @property
     def joints(self) -> "Mapping[str, JointResult]":

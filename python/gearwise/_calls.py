@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     Path: TypeAlias = str | PathLike[str]
     Requirement: TypeAlias = _native.Requirement | Robot | Mapping[str, object] | Path
+    Logs: TypeAlias = Mapping[str, Mapping[str, ArrayLike]] | None
     Progress: TypeAlias = bool | Callable[[int, int], object] | None
 
 
@@ -45,6 +46,8 @@ def _bar(progress: "Progress") -> "Callable[[int, int], object] | None":
 
 def _said(requirement: object) -> str:
     """A requirement as it is named on pages."""
+    if isinstance(requirement, (list, tuple)):
+        return ", ".join(str(path) for path in requirement)
     if isinstance(requirement, _native.Requirement):
         return requirement.name
     return str(requirement) if isinstance(requirement, str) or hasattr(requirement, "__fspath__") else "requirement"
@@ -83,7 +86,7 @@ def optimize(
         threads,
         _bar(progress),
     )
-    return Optimized(answer, f"gearwise.optimize({_said(requirement)})")
+    return Optimized(answer, f"gearwise.optimize({_said(requirement)})", catalog)
 
 
 def robust(
@@ -227,16 +230,55 @@ def audit(*, catalog: "Catalog | None" = None) -> Answer:
 
 
 def check(
-    design: "Path", *, rules: "Path | None" = None, strict: bool = False, catalog: "Catalog | None" = None
+    design: "Path | Optimized",
+    *,
+    rules: "Path | None" = None,
+    strict: bool = False,
+    catalog: "Catalog | None" = None,
 ) -> Answer:
-    """Whether a design file keeps its rules, those of `rules`, or the default ones; `strict`: warnings fail too."""
-    native = None if catalog is None else catalog._catalog
-    return Answer(_native.check(design, rules, strict, native), f"gearwise.check({design})")
+    """Whether a design keeps its rules, those of `rules`, or the default ones; `strict`: warnings fail too. `design`: a design
+    file, or what `optimize` chose, at the ratios that it found."""
+    if isinstance(design, Optimized):
+        native = builtin(design._catalog if catalog is None else catalog)
+        answer = _native.check(design._of, rules, strict, native)
+        return Answer(answer, f"gearwise.check({design._call})")
+    if isinstance(design, Answer):
+        raise InputError._said("only what `optimize` chose is checked")
+    given = None if catalog is None else catalog._catalog
+    return Answer(_native.check(design, rules, strict, given), f"gearwise.check({design})")
+
+
+def _handed(logs: "Logs", folder: str) -> "list[tuple[str, str]]":
+    """Arrays as files in a folder, each with the name that the bench file has for it."""
+    import os
+
+    import numpy
+
+    files = []
+    for place, (name, columns) in enumerate((logs or {}).items()):
+        arrays = {}
+        for column, values in columns.items():
+            array = numpy.asarray(values)
+            if array.ndim != 1 or array.dtype.kind not in "biufUS":
+                raise InputError._said(f"`logs`: column `{column}` of `{name}` is no list of numbers or texts")
+            arrays[column] = array
+        path = os.path.join(folder, f"{place}.npz")
+        # A column may have any name, that of an argument of savez too.
+        import zipfile
+
+        with zipfile.ZipFile(path, "w") as archive:
+            for column, array in arrays.items():
+                # The time of writing is no part of a log.
+                with archive.open(zipfile.ZipInfo(f"{column}.npy"), "w") as file:
+                    numpy.lib.format.write_array(file, array, allow_pickle=False)
+        files.append((str(name), path))
+    return files
 
 
 def identify(
     bench: "Path",
     *,
+    logs: "Logs" = None,
     requirement: "Requirement | None" = None,
     joint: "str | None" = None,
     band: "float | str | None" = None,
@@ -244,16 +286,97 @@ def identify(
     threads: "int | None" = None,
 ) -> Answer:
     """Bench logs against the declared model: what it lacks, by how much, and how sure that is. With `requirement` its
-    choice is made again with what was fitted. `band`: cut-off of the filter [Hz]; by default chosen from the data."""
+    choice is made again with what was fitted. `band`: cut-off of the filter [Hz]; by default chosen from the data. `logs`:
+    arrays in place of files that the bench file names, as `{"run1.csv": {"time": t, "current": i, …}}`, with the columns and
+    units that it says of them."""
+    import tempfile
+
     native = None if catalog is None else catalog._catalog
-    answer = _native.identify(bench, requirement, joint, band, native, threads)
+    with tempfile.TemporaryDirectory() as folder:
+        answer = _native.identify(bench, _handed(logs, folder), requirement, joint, band, native, threads)
     return Answer(answer, f"gearwise.identify({bench})")
 
 
-def characterize(bench: "Path", *, catalog: "Catalog | None" = None, threads: "int | None" = None) -> Answer:
-    """Raw bench logs of a motor as a catalogue row, with uncertainties."""
+def characterize(
+    bench: "Path", *, logs: "Logs" = None, catalog: "Catalog | None" = None, threads: "int | None" = None
+) -> Answer:
+    """Raw bench logs of a motor as a catalogue row, with uncertainties. `logs`: arrays in place of files, as for `identify`."""
+    import tempfile
+
     native = None if catalog is None else catalog._catalog
-    return Answer(_native.characterize(bench, native, threads), f"gearwise.characterize({bench})")
+    with tempfile.TemporaryDirectory() as folder:
+        answer = _native.characterize(bench, _handed(logs, folder), native, threads)
+    return Answer(answer, f"gearwise.characterize({bench})")
+
+
+def study(
+    requirement: "Requirement | Sequence[Path]",
+    grid: "Mapping[str, ArrayLike | Sequence[object] | Mapping[str, object]] | None" = None,
+    *,
+    out: "Path",
+    top: "int | None" = 3,
+    only_checked: bool = False,
+    shard: "tuple[int, int]" = (1, 1),
+    resume: bool = False,
+    force: bool = False,
+    catalog: "Catalog | None" = None,
+    threads: "int | None" = None,
+    progress: "Progress" = None,
+) -> Answer:
+    """Many robots in one go: each requirement (a file, files, folders, patterns, a study file, or one that Python made) at every
+    point of a `grid` of values, as `{"bus.voltage": ["24 V", "48 V"], "scale.torque": [1.0, 1.2]}`. The results are in the folder
+    `out`: `table()` has a row for each design.
+
+    `top`: so many designs of each joint; None for all. `resume` goes on with what was stopped, `force` starts again. `shard`:
+    one part of so many, for many machines, each with its own `out`; `merge` puts them together, to the same bytes."""
+    if resume and force:
+        raise InputError._said("`resume` goes on and `force` starts again: give one of the two")
+    paths = _paths(requirement)
+    if paths is None and shard != (1, 1):
+        raise InputError._said("every shard names the requirement by its file: write one with `save`, and give its path")
+    if paths is None:
+        paths = [_own(requirement, out, force)]
+    native = None if catalog is None else catalog._catalog
+    existing = "resume" if resume else "force" if force else ""
+    answer = _native.study(
+        paths, grid, out, top, only_checked, shard, existing, native, threads, _bar(progress)
+    )
+    return Answer(answer, f"gearwise.study({_said(requirement)}, out={out})")
+
+
+def _paths(requirement: object) -> "list[Path] | None":
+    """Files, folders and patterns; None for a requirement that Python made."""
+    if isinstance(requirement, _native.Requirement):
+        return None if requirement._path is None else [requirement._path]
+    if isinstance(requirement, (list, tuple)):
+        return list(requirement)
+    if isinstance(requirement, str) or hasattr(requirement, "__fspath__"):
+        return [requirement]
+    return None
+
+
+def _own(requirement: object, out: "Path", force: bool) -> "Path":
+    """The file of a requirement in the folder of its study; what is there already is not overwritten by another."""
+    import pathlib
+    import tempfile
+
+    made = _native.Requirement(requirement)
+    folder = pathlib.Path(out) / "requirement"
+    with tempfile.TemporaryDirectory() as new:
+        files = [pathlib.Path(path) for path in made.save(f"{new}/robot.toml")]
+        texts = {file.name: file.read_bytes() for file in files}
+    there = {name: (folder / name).read_bytes() for name in texts if (folder / name).exists()}
+    if there and there != texts and not force:
+        raise InputError._said(f"`{out}` has a study of another requirement; force=True starts again")
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, text in texts.items():
+        (folder / name).write_bytes(text)
+    return folder / "robot.toml"
+
+
+def merge(out: "Path", shards: "Sequence[Path]", *, force: bool = False) -> Answer:
+    """All shards of a study, in their folders, as one study in the folder `out`; `force` replaces results that are there."""
+    return Answer(_native.merge(out, list(shards), force), f"gearwise.merge({out})")
 
 
 def export(

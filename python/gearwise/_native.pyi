@@ -44,9 +44,8 @@ class Motion:
     def _again(
         kind: str,
         arrays: dict[str, Any],
-        periodic: bool,
-        period: float | None,
-        scale: tuple[float, float],
+        how: tuple[bool, float | None, tuple[float, float]],
+        file: tuple[str, str] | None,
     ) -> Motion: ...
     def scaled(self, *, torque: float = 1.0, speed: float = 1.0) -> Motion: ...
     @property
@@ -87,6 +86,13 @@ class Requirement:
     ) -> Requirement: ...
     def replace(self, changes: Mapping[str, object]) -> Requirement: ...
     def to_toml(self) -> str: ...
+    def save(self, path: _Path) -> list[str]:
+        """Writes it as a TOML file, and motions that Python made in CSV files next to it, named after their joints. Gives the paths
+        of all files. Files that are there are replaced. Raises InputError where the requirement names files that would not be next
+        to it, and for motions of rollouts, which no file holds."""
+
+    @property
+    def _path(self) -> str | None: ...
     @property
     def name(self) -> str: ...
     @property
@@ -265,16 +271,32 @@ def rank(
 ) -> Answer: ...
 def compare(a: str, b: str, inertia: float | str | None, catalog: Catalog) -> Answer: ...
 def audit(catalog: Catalog) -> Answer: ...
-def check(design: _Path, rules: _Path | None, strict: bool, catalog: Catalog | None) -> Answer: ...
+def check(design: _Path | Answer, rules: _Path | None, strict: bool, catalog: Catalog | None) -> Answer: ...
 def identify(
     bench: _Path,
+    given: Sequence[tuple[str, str]],
     requirement: object | None,
     joint: str | None,
     band: float | str | None,
     catalog: Catalog | None,
     threads: int | None,
 ) -> Answer: ...
-def characterize(bench: _Path, catalog: Catalog | None, threads: int | None) -> Answer: ...
+def characterize(
+    bench: _Path, given: Sequence[tuple[str, str]], catalog: Catalog | None, threads: int | None
+) -> Answer: ...
+def study(
+    paths: Sequence[_Path],
+    grid: object | None,
+    out: _Path,
+    top: int | None,
+    only_checked: bool,
+    shard: tuple[int, int],
+    existing: str,
+    catalog: Catalog | None,
+    threads: int | None,
+    progress: Callable[[int, int], object] | None,
+) -> Answer: ...
+def merge(out: _Path, shards: Sequence[_Path], force: bool) -> Answer: ...
 def export(
     design: str | PathLike[str] | Answer,
     requirement: object | None,

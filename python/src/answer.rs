@@ -7,6 +7,7 @@ use gearwise::ask::optimize::Optimized;
 use gearwise::input::Source;
 use gearwise::report::html;
 use gearwise::report::plot::{self, Figure};
+use gearwise::requirement::Robot;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use serde_json::{Value, json};
@@ -15,12 +16,23 @@ use crate::failure::wrong;
 use crate::pool::here;
 use crate::values::python;
 
+/// A choice, with the requirement that it answers.
+#[derive(Clone)]
+pub struct Chosen {
+    /// What was chosen.
+    pub found: Arc<Optimized>,
+    /// The requirement's text.
+    pub source: Arc<Source>,
+    /// What it says.
+    pub robot: Arc<Robot>,
+}
+
 /// An answer of any question.
 #[pyclass(frozen, module = "gearwise._native")]
 pub struct Answer {
     answer: Arc<dyn ask::Answer>,
     /// The same where it is a choice, with the requirement that it answers.
-    choice: Option<(Arc<Optimized>, Arc<Source>)>,
+    choice: Option<Chosen>,
 }
 
 impl Answer {
@@ -30,14 +42,14 @@ impl Answer {
     }
 
     /// Of a choice.
-    pub fn of_choice(found: Optimized, source: Arc<Source>) -> Answer {
+    pub fn of_choice(found: Optimized, source: Arc<Source>, robot: Arc<Robot>) -> Answer {
         let found = Arc::new(found);
-        Answer { answer: found.clone(), choice: Some((found, source)) }
+        Answer { answer: found.clone(), choice: Some(Chosen { found, source, robot }) }
     }
 
     /// The choice, where it is one.
-    pub fn choice(&self) -> Option<(&Optimized, &Arc<Source>)> {
-        self.choice.as_ref().map(|(found, source)| (&**found, source))
+    pub fn choice(&self) -> Option<&Chosen> {
+        self.choice.as_ref()
     }
 
     fn figure(&self, py: Python<'_>) -> PyResult<Figure> {
@@ -99,23 +111,23 @@ impl Answer {
     }
 
     fn joints(&self) -> Vec<String> {
-        let names = |(found, _): &(Arc<Optimized>, _)| found.robot().joints.iter().map(|j| j.name.clone()).collect();
+        let names = |of: &Chosen| of.found.robot().joints.iter().map(|j| j.name.clone()).collect();
         self.choice.as_ref().map(names).unwrap_or_default()
     }
 
     fn candidates(&self, joint: usize) -> usize {
-        let of = self.choice.as_ref().and_then(|(found, _)| found.found().result.joints.get(joint));
+        let of = self.choice.as_ref().and_then(|of| of.found.found().result.joints.get(joint));
         of.map_or(0, |of| of.candidates.len())
     }
 
     /// That a joint has no design, and what came nearest; empty where it has one.
     fn without(&self, py: Python<'_>, joint: usize) -> PyResult<String> {
-        here(py, || Ok(self.choice.as_ref().and_then(|(found, _)| found.without(joint)).unwrap_or_default()))
+        here(py, || Ok(self.choice.as_ref().and_then(|of| of.found.without(joint)).unwrap_or_default()))
     }
 
     /// One candidate as the JSON has it; None where there is none.
     fn design<'py>(&self, py: Python<'py>, joint: usize, place: usize) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let value = self.choice.as_ref().and_then(|(found, _)| found.design_json(joint, place));
+        let value = self.choice.as_ref().and_then(|of| of.found.design_json(joint, place));
         value.map(|value| python(py, &value)).transpose()
     }
 }

@@ -13,14 +13,14 @@ use gearwise::ask::{
 };
 use gearwise::design::robust::Taken;
 use gearwise::input::Source;
-use gearwise::measured::read;
+use gearwise::measured::read::{self, Logs};
 use gearwise::requirement::{DesignFile, Settings};
 use gearwise::rules::lock::path_of;
 use gearwise::units;
 use pyo3::prelude::*;
 use pyo3::types::PyString;
 
-use crate::answer::Answer;
+use crate::answer::{Answer, Chosen};
 use crate::arrays::{ActuatorMap, Evaluated};
 use crate::catalog::Catalog;
 use crate::failure::wrong;
@@ -46,6 +46,8 @@ pub fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(identify, module)?,
         wrap_pyfunction!(characterize, module)?,
         wrap_pyfunction!(export, module)?,
+        wrap_pyfunction!(crate::studies::study, module)?,
+        wrap_pyfunction!(crate::studies::merge, module)?,
         wrap_pyfunction!(command, module)?,
         wrap_pyfunction!(describe, module)?,
         wrap_pyfunction!(_panic, module)?,
@@ -89,14 +91,14 @@ fn optimize<'py>(
     };
     let asked = Asked { only_checked, keep: only_top, whole: whole_robot, runner_ups, rules, ..Asked::default() };
     let (rows, paths) = (rows(py, catalog)?, catalog.get().paths().to_vec());
-    let name = source.name().to_string();
+    let (own, plain) = (source.clone(), robot.clone());
     let found = How::new(py, threads, progress)?.run(py, move |looking| {
         let ready = Ready::new(Arc::unwrap_or_clone(robot), &rows, &asked, whole_robot, &looking.watch())?;
         looking.begin(ready.steps());
-        let names = Names { requirement: name.as_ref(), catalog: &paths };
+        let names = Names { requirement: own.name().as_ref(), given: Some(&own), catalog: &paths };
         choose(ready, &asked, names, looking.watch())
     })?;
-    Ok(Answer::of_choice(found, source))
+    Ok(Answer::of_choice(found, source, plain))
 }
 
 #[pyfunction]
@@ -288,14 +290,30 @@ fn audit<'py>(py: Python<'py>, catalog: &Bound<'py, Catalog>) -> PyResult<Answer
 #[pyfunction]
 fn check<'py>(
     py: Python<'py>,
-    design: PathBuf,
+    design: &Bound<'py, PyAny>,
     rules: Option<PathBuf>,
     strict: bool,
     catalog: Option<Bound<'py, Catalog>>,
 ) -> PyResult<Answer> {
     let given = catalog.map(|catalog| rows(py, &catalog)).transpose()?;
+    let chosen = match design.cast::<Answer>() {
+        Ok(answer) => {
+            Some(answer.get().choice().cloned().ok_or_else(|| wrong(py, "only what `optimize` chose is checked"))?)
+        }
+        Err(_) => None,
+    };
+    let path = match &chosen {
+        None => design.extract().map_err(|_| wrong(py, "`design` is neither a path nor what `optimize` chose"))?,
+        Some(_) => PathBuf::from("the choice"),
+    };
     let found = here(py, move || {
-        let design = design_file(&design)?;
+        let design = match &chosen {
+            None => design_file(&path)?,
+            Some(Chosen { found, source, robot }) => {
+                let text = Source::of_values(path.display().to_string(), found.design_text(source.name().as_ref())?);
+                DesignFile::read_for(&Arc::new(text), source, robot)?
+            }
+        };
         let rows = given.map_or_else(|| rows_of(&design), Ok)?;
         let lock_path = path_of(design.source.name().as_ref());
         let lock = match lock_path.exists() {
@@ -323,9 +341,11 @@ fn rows_of(design: &DesignFile) -> Result<Rows, Failure> {
 }
 
 #[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "as Python calls it")]
 fn identify<'py>(
     py: Python<'py>,
     bench: PathBuf,
+    given: Logs,
     requirement: Option<Bound<'py, PyAny>>,
     joint: Option<String>,
     band: Option<Bound<'py, PyAny>>,
@@ -337,7 +357,7 @@ fn identify<'py>(
     let band = band.map(|value| quantity(py, "band", &value, &units::FREQUENCY)).transpose()?;
     let catalog = catalog.map(|catalog| Arc::unwrap_or_clone(catalog.get().read()));
     let found = How::new(py, threads, None)?.run(py, move |_| {
-        let subject = read::read_subject(&bench, catalog)?;
+        let subject = read::read_subject(&bench, catalog, given)?;
         logs::identify(subject, logs::Asked { band, joint, requirement, plan: None }, &bench)
     })?;
     Ok(match found {
@@ -350,12 +370,13 @@ fn identify<'py>(
 fn characterize<'py>(
     py: Python<'py>,
     bench: PathBuf,
+    given: Logs,
     catalog: Option<Bound<'py, Catalog>>,
     threads: Option<i64>,
 ) -> PyResult<Answer> {
     let catalog = catalog.map(|catalog| Arc::unwrap_or_clone(catalog.get().read()));
     let found = How::new(py, threads, None)?.run(py, move |_| {
-        let bench = read::read_for_row(&bench, catalog)?;
+        let bench = read::read_for_row(&bench, catalog, given)?;
         benches::characterize(bench)
     })?;
     Ok(Answer::new(found))
@@ -401,7 +422,7 @@ fn export<'py>(
         return Err(wrong(py, format!("`to` is `{format}`, which is no format; {help}")));
     }
     if let Ok(answer) = design.cast::<Answer>() {
-        let Some((found, source)) = answer.get().choice() else {
+        let Some(Chosen { found, source, .. }) = answer.get().choice() else {
             return Err(wrong(py, "only what `optimize` chose is exported"));
         };
         return here(py, || of_choice(&asked, found, source).map(plain));

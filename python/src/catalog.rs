@@ -56,6 +56,17 @@ impl Catalog {
         self.rows.get_or_init(make).clone().some()
     }
 
+    /// Whether rows that lack something are completed.
+    pub fn estimates(&self) -> bool {
+        self.estimates
+    }
+
+    /// What it was read from, and whether a filter left rows out of that.
+    pub fn sources(&self) -> (Vec<Arc<Source>>, bool) {
+        let sources = self.sources.clone().unwrap_or_else(catalog::Catalog::builtin_sources);
+        (sources, self.only.is_some())
+    }
+
     /// The rows as they were read.
     pub fn read(&self) -> Arc<catalog::Catalog> {
         self.catalog.clone()

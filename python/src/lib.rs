@@ -12,6 +12,7 @@ mod failure;
 mod motion;
 mod pool;
 mod requirement;
+mod studies;
 mod table;
 mod values;
 

@@ -31,9 +31,42 @@ struct Made {
     periodic: bool,
     period: Option<f64>,
     scale: (f64, f64),
+    /// Name and text of the file that it was read from.
+    file: Option<(String, String)>,
+}
+
+/// A motion as a file has it.
+pub enum Written {
+    /// The text of a file of its own, whether the motion repeats, and its period where that is not in the text.
+    File(String, bool, Option<f64>),
+    /// Operating points.
+    Points(Vec<Point>),
 }
 
 impl Motion {
+    /// As a file has it, and the factors that come on top; `None` for what no file can hold.
+    pub fn written(&self) -> Option<(Written, (f64, f64))> {
+        let made = &self.made;
+        let column = |name: &str| made.arrays.iter().find(|(n, _)| *n == name).map(|(_, values)| values);
+        let written = match (made.kind, &made.file) {
+            ("file", Some((_, text))) => Written::File(text.clone(), made.periodic, made.period),
+            ("samples", _) => Written::File(csv(&made.arrays), made.periodic, made.period),
+            ("points", _) => {
+                let at = |name: &str, k: usize| column(name).map_or(0.0, |values| values[k]);
+                let point = |k: usize| Point {
+                    torque: at("torque", k),
+                    velocity: at("velocity", k),
+                    acceleration: at("acceleration", k),
+                    duration: column("duration").map(|values| values[k]),
+                    ..Point::default()
+                };
+                Written::Points((0..self.motion.len()).map(point).collect())
+            }
+            _ => return None,
+        };
+        Some((written, made.scale))
+    }
+
     fn of(motion: Arc<motion::Motion>, made: Made) -> Motion {
         Motion { motion, made, id: OnceLock::new(), arrays: Default::default() }
     }
@@ -72,6 +105,22 @@ impl Motion {
         let array = array.into_any().unbind();
         Ok(self.arrays[place].get_or_init(|| array).clone_ref(py))
     }
+}
+
+/// Arrays as the text of a motion's file.
+fn csv(arrays: &[(&'static str, Vec<f64>)]) -> String {
+    let columns = motion::OWN_COLUMNS.iter().filter_map(|(name, kind, ..)| {
+        let (_, values) = arrays.iter().find(|(n, _)| n == name)?;
+        Some((format!("{name} [{}]", kind.si), values))
+    });
+    let columns: Vec<(String, &Vec<f64>)> = columns.collect();
+    let mut text = columns.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>().join(",") + "\n";
+    for k in 0..columns.first().map_or(0, |(_, values)| values.len()) {
+        let row: Vec<String> = columns.iter().map(|(_, values)| values[k].to_string()).collect();
+        text.push_str(&row.join(","));
+        text.push('\n');
+    }
+    text
 }
 
 /// An array-like as numbers.
@@ -157,7 +206,7 @@ impl Motion {
             ("acceleration", samples.acceleration.as_ref()),
         ];
         let arrays = arrays.chain(more).filter_map(|(name, values)| Some((name, values?.clone()))).collect();
-        let made = Made { kind: "samples", arrays, periodic, period, scale: (1.0, 1.0) };
+        let made = Made { kind: "samples", arrays, periodic, period, scale: (1.0, 1.0), file: None };
         let motion = here(py, || motion::of_arrays(samples, periodic, period).map_err(|e| vec![e].into()))?;
         Ok(Motion::of(Arc::new(motion), made))
     }
@@ -172,28 +221,10 @@ impl Motion {
     ) -> PyResult<Motion> {
         let period = period.filter(|p| !p.is_none());
         let period = period.map(|period| quantity(py, "period", period, &gearwise::units::TIME)).transpose()?;
-        let motion = here(py, || {
-            let failed = |error| Failure::Input(vec![error]);
-            motion::read(&Source::read(&path).map_err(failed)?, periodic, period).map_err(failed)
-        })?;
-        // Made again from its samples: what was given is what the file had, at every sample.
-        let finished = |name, values: &Vec<f64>| (name, values.clone());
-        let m = &motion;
-        let made = Made {
-            kind: "finished",
-            arrays: vec![
-                finished("time", &m.time),
-                finished("torque", &m.torque),
-                finished("velocity", &m.velocity),
-                finished("acceleration", &m.acceleration),
-                finished("torque_rate", &m.torque_rate),
-                finished("jerk", &m.jerk),
-            ],
-            periodic,
-            period,
-            scale: (1.0, 1.0),
-        };
-        Ok(Motion::of(Arc::new(motion), made))
+        let source = here(py, || Source::read(&path).map_err(|error| Failure::Input(vec![error])))?;
+        let file = Some((source.name().to_string(), source.text().to_string()));
+        let made = Made { kind: "file", arrays: Vec::new(), periodic, period, scale: (1.0, 1.0), file };
+        Motion::again(py, made)
     }
 
     #[staticmethod]
@@ -213,7 +244,7 @@ impl Motion {
         if let Some(duration) = optional(py, "duration", duration)? {
             arrays.push(("duration", duration));
         }
-        let made = Made { kind: "points", arrays, periodic: false, period: None, scale: (1.0, 1.0) };
+        let made = Made { kind: "points", arrays, periodic: false, period: None, scale: (1.0, 1.0), file: None };
         Motion::again(py, made)
     }
 
@@ -304,7 +335,8 @@ impl Motion {
         for (name, values) in &made.arrays {
             arrays.set_item(*name, PyArray1::from_slice(py, values))?;
         }
-        let state = (made.kind, arrays, made.periodic, made.period, made.scale).into_pyobject(py)?;
+        let how = (made.periodic, made.period, made.scale);
+        let state = (made.kind, arrays, how, made.file.clone()).into_pyobject(py)?;
         let again = py.get_type::<Motion>().getattr("_again")?;
         Ok((again, state.into_any()))
     }
@@ -316,12 +348,12 @@ impl Motion {
         py: Python<'_>,
         kind: &str,
         arrays: &Bound<'_, PyDict>,
-        periodic: bool,
-        period: Option<f64>,
-        scale: (f64, f64),
+        how: (bool, Option<f64>, (f64, f64)),
+        file: Option<(String, String)>,
     ) -> PyResult<Motion> {
+        let (periodic, period, scale) = how;
         let names = ["time", "torque", "velocity", "position", "acceleration", "torque_rate", "jerk", "duration"];
-        let kinds = ["samples", "finished", "points"];
+        let kinds = ["samples", "file", "points", "episodes"];
         let Some(kind) = kinds.into_iter().find(|k| *k == kind) else {
             return Err(wrong(py, format!("a motion made of `{kind}` is of another version of gearwise")));
         };
@@ -331,7 +363,7 @@ impl Motion {
                 found.push((name, numbers(py, name, &values)?));
             }
         }
-        Motion::again(py, Made { kind, arrays: found, periodic, period, scale })
+        Motion::again(py, Made { kind, arrays: found, periodic, period, scale, file })
     }
 }
 
@@ -339,9 +371,14 @@ impl Motion {
     fn again(py: Python<'_>, made: Made) -> PyResult<Motion> {
         let take = |name: &str| made.arrays.iter().find(|(n, _)| *n == name).map(|(_, values)| values.clone());
         let needed = |name: &str| take(name).ok_or_else(|| wrong(py, format!("a motion needs `{name}`")));
-        let motion = if made.kind == "points" {
+        let motion = if let Some((name, text)) = &made.file {
+            let source = Arc::new(Source::new(name.as_str(), text.as_str()));
+            motion::read(&source, made.periodic, made.period).map_err(|e| raised(py, Failure::Input(vec![e])))?
+        } else if ["points", "episodes"].contains(&made.kind) {
             let rates = (take("torque_rate"), take("jerk"));
-            of_points(py, needed("torque")?, needed("velocity")?, take("acceleration"), take("duration"), rates)?
+            let (acceleration, duration) = (take("acceleration"), take("duration"));
+            let points = of_points(py, needed("torque")?, needed("velocity")?, acceleration, duration, rates)?;
+            motion::Motion { mixed: made.kind == "episodes", ..points }
         } else {
             let samples = Samples {
                 time: needed("time")?,
@@ -451,12 +488,12 @@ pub fn _rollouts<'py>(py: Python<'py>, episodes: Vec<Episode<'py>>, own: (f64, f
     let own = motion::SimulatorsOwn { armature, damping, friction };
     let motion = here(py, || motion::of_episodes(all, own).map_err(|e| vec![e].into()))?;
     let m = &motion;
-    // Made again from its points: each has all of its rates.
+    // Made again from its samples: each has all of its rates.
     let total = motion.duration().unwrap_or(1.0);
     let durations = m.weight.iter().map(|weight| weight * total).collect();
     let column = |name, values: &Vec<f64>| (name, values.clone());
     let made = Made {
-        kind: "points",
+        kind: "episodes",
         arrays: vec![
             column("torque", &m.torque),
             column("velocity", &m.velocity),
@@ -468,6 +505,7 @@ pub fn _rollouts<'py>(py: Python<'py>, episodes: Vec<Episode<'py>>, own: (f64, f
         periodic: false,
         period: None,
         scale: (1.0, 1.0),
+        file: None,
     };
     Ok(Motion::of(Arc::new(motion), made))
 }

@@ -64,6 +64,22 @@ pub struct Looking {
 }
 
 impl Looking {
+    /// How many steps there are, and how many were done before.
+    pub fn begin_after(&self, done: usize, of: usize) {
+        self.done.store(done, Ordering::Relaxed);
+        self.begin(of);
+    }
+
+    /// That one more step is done.
+    pub fn tick(&self) {
+        self.done.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// Set once the work is to stop.
+    pub fn stop(&self) -> &AtomicBool {
+        &self.stop
+    }
+
     /// How many steps there are.
     pub fn begin(&self, of: usize) {
         self.of.store(of, Ordering::Relaxed);
@@ -71,11 +87,9 @@ impl Looking {
 
     /// What the work calls and asks.
     pub fn watch(&self) -> Watch {
-        let (done, stop) = (self.done.clone(), self.stop.clone());
+        let (looking, stop) = (self.clone(), self.stop.clone());
         Watch {
-            tick: Box::new(move || {
-                done.fetch_add(1, Ordering::Relaxed);
-            }),
+            tick: Box::new(move || looking.tick()),
             stop: Box::new(move || stop.load(Ordering::Relaxed)),
             ..Watch::default()
         }
@@ -88,6 +102,8 @@ pub struct How<'py> {
     pub threads: usize,
     /// Called with steps done and steps there are; `None` for nobody.
     pub progress: Option<Bound<'py, PyAny>>,
+    /// Whether what is stopped is waited for: it leaves files that the next call goes on with.
+    pub to_its_end: bool,
 }
 
 impl<'py> How<'py> {
@@ -101,7 +117,7 @@ impl<'py> How<'py> {
                 return Err(failure::raised(py, Failure::Argument(why)));
             }
         };
-        Ok(How { threads, progress })
+        Ok(How { threads, progress, to_its_end: false })
     }
 
     /// Does the work.
@@ -131,6 +147,9 @@ impl<'py> How<'py> {
                 Err(RecvTimeoutError::Timeout) => {
                     if let Err(raised) = py.check_signals().and_then(|()| self.tell(&looking, &mut told)) {
                         looking.stop.store(true, Ordering::Relaxed);
+                        if self.to_its_end {
+                            py.detach(|| receive.lock().is_ok_and(|receive| receive.recv().is_ok()));
+                        }
                         return Err(raised);
                     }
                 }

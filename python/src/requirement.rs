@@ -2,17 +2,19 @@
 
 use std::collections::HashMap;
 use std::hash::{Hash, Hasher};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use gearwise::ask::Failure;
 use gearwise::input::Source;
 use gearwise::motion::{self, CarriedColumn};
+use gearwise::requirement::saved::{self, Kept};
 use gearwise::requirement::{Motions, Robot, Settings};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
 use crate::failure::wrong;
-use crate::motion::Motion;
+use crate::motion::{Motion, Written};
 use crate::pool::here;
 use crate::values::Writer;
 
@@ -65,6 +67,38 @@ impl Requirement {
     ) -> PyResult<Requirement> {
         let robot = read(py, &source, &changes, &motions, None)?;
         Ok(Requirement { source, changes, motions: Arc::new(motions), robot: Arc::new(robot) })
+    }
+}
+
+impl Requirement {
+    /// Writes files, the requirement last, and reads that again.
+    fn written(&self, files: &[(PathBuf, String)]) -> Result<(), Failure> {
+        let Some((path, _)) = files.last() else { return Ok(()) };
+        for (path, text) in files {
+            std::fs::write(path, text).map_err(|why| {
+                let why = gearwise::words::reason(&why);
+                Failure::Argument(format!("cannot write `{}`: {why}", path.display()))
+            })?;
+        }
+        let source = Source::read(path).map_err(|error| vec![error])?;
+        Settings::default().read(&source, None)?;
+        Ok(())
+    }
+
+    /// That the files it names are next to a place, too.
+    fn names_files_of(&self, folder: &Path) -> Result<(), Failure> {
+        let own = self.source.name();
+        let Some(named) = self.robot.files().into_iter().find(|file| file.name != own) else { return Ok(()) };
+        let here = |path: &Path| if path.as_os_str().is_empty() { PathBuf::from(".") } else { path.to_path_buf() };
+        let [from, to] = [self.source.folder(), folder].map(|path| here(path).canonicalize());
+        match (from, to) {
+            (Ok(from), Ok(to)) if from == to => Ok(()),
+            _ => Err(Failure::Argument(format!(
+                "the requirement names `{}`, which is looked for next to it: save it in `{}`",
+                named.name,
+                here(self.source.folder()).display()
+            ))),
+        }
     }
 }
 
@@ -146,6 +180,50 @@ impl Requirement {
         let settings = Settings::of_values("the changes", values).map_err(|why| wrong(py, why))?;
         let mut store = store(&self.motions);
         here(py, || Ok(settings.to_toml(&self.source, &mut store)))
+    }
+
+    /// Writes it as a TOML file, with the motions that it was given in CSV files next to it, named after their joints. Gives the paths
+    /// of all files. It is read back: the saved file answers as this does.
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<Vec<PathBuf>> {
+        let text = self.to_toml(py)?;
+        let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+        let stem = stem.ok_or_else(|| wrong(py, format!("`{}` is no name of a file", path.display())))?;
+        let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
+        here(py, || self.names_files_of(&folder))?;
+        let (mut files, mut kept) = (Vec::<(PathBuf, String)>::new(), HashMap::new());
+        for (name, who) in saved::users(&text) {
+            let Some(motion) = self.motions.get(&name) else { continue };
+            let Some((written, factors)) = motion.get().written() else {
+                let why = format!(
+                    "`{who}`: no file holds a motion of episodes: keep the episodes, or pickle the requirement"
+                );
+                return Err(wrong(py, why));
+            };
+            let place = match written {
+                Written::Points(points) => Kept::Points(points),
+                Written::File(text, periodic, period) => {
+                    let clean = |c: char| if c.is_alphanumeric() || "-_".contains(c) { c } else { '_' };
+                    let own: String = format!("{stem}-{who}").chars().map(clean).collect();
+                    let free = |name: &String| files.iter().all(|(path, _)| *path != folder.join(name));
+                    let names = (1..).map(|n| if n == 1 { format!("{own}.csv") } else { format!("{own}-{n}.csv") });
+                    let name = names.into_iter().find(free).unwrap_or_default();
+                    files.push((folder.join(&name), text));
+                    Kept::File { name, periodic, period }
+                }
+            };
+            kept.insert(name, (place, factors));
+        }
+        files.push((path, saved::with_motions(&text, &kept)));
+        here(py, || self.written(&files))?;
+        Ok(files.into_iter().map(|(path, _)| path).collect())
+    }
+
+    /// The file that it was read from, as it is; None where Python made or changed something.
+    #[getter]
+    #[pyo3(name = "_path")]
+    fn path(&self) -> Option<&str> {
+        let is_file = !self.source.is_of_values() && self.changes.is_empty() && self.motions.is_empty();
+        is_file.then(|| self.source.name())
     }
 
     #[getter]

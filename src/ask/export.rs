@@ -7,7 +7,6 @@ use super::Failure;
 use super::chosen::{self, Chosen};
 use super::optimize::Optimized;
 use crate::catalog::{Catalog, Gear, Motor};
-use crate::design::answer::Design;
 use crate::design::evaluate::FEASIBILITY_TOLERANCE;
 use crate::design::examine::examine;
 use crate::design::explain::explain;
@@ -183,11 +182,7 @@ pub fn of_choice<'a>(asked: &Asked, chosen: &'a Optimized, source: &Source) -> R
         if !only.is_empty() && only.iter().all(|only| only.name != of.joint.name) {
             continue;
         }
-        let design: Option<&Design> = match &found.choice {
-            Some(whole) => whole.combinations.first().and_then(|best| best.joints.get(k)),
-            None => of.candidates.first(),
-        };
-        let Some(design) = design else {
+        let Some(design) = chosen.chosen(k) else {
             return Err(Failure::Argument(format!("joint `{}` has no design to export", of.joint.name)));
         };
         let gear = design.gear.and_then(|id| chosen.catalog().gear_of(design.motor, id));

@@ -9,10 +9,11 @@ use self_cell::self_cell;
 use serde_json::Value;
 
 use super::rows::{Rows, wound};
+pub use super::written::Names;
 use super::written::{DesignText, Ruled};
 use super::{Answer, Failure, Ground, Watch, balanced, settled};
 use crate::catalog::Catalog;
-use crate::design::answer::{JointResult, Rejected, RobotResult};
+use crate::design::answer::{Design, JointResult, Rejected, RobotResult};
 use crate::design::many::{Looked, with_samples};
 use crate::design::mount::{JointDemand, Site};
 use crate::design::optimize::optimize_with;
@@ -21,6 +22,7 @@ use crate::design::outlook::{Outlook, outlooks};
 use crate::design::robot::{Choice, choose};
 use crate::input::InputFile;
 use crate::numerics::grid::grid;
+use crate::report::design_file::{self, Written};
 use crate::report::html::Page;
 use crate::report::optimize::{self as report, Shown};
 use crate::report::plot::{Figure, design as plot};
@@ -66,15 +68,6 @@ pub enum Rules {
     File(PathBuf),
     /// None.
     None,
-}
-
-/// By what names files are written into a design file.
-#[derive(Debug, Clone, Copy)]
-pub struct Names<'n> {
-    /// The requirement.
-    pub requirement: &'n Path,
-    /// Catalogue files; none for the built-in one.
-    pub catalog: &'n [PathBuf],
 }
 
 /// A robot and a catalogue that were made ready for each other.
@@ -207,10 +200,10 @@ fn find<'a>(
     let search = Options { tick: &|| (), ..search };
     let target = asked.design.as_deref();
     let whole = robot.is_coupled() || asked.whole;
-    let files = (catalog, names.catalog);
+    let ground = (plain, catalog);
     // Rules that are no limit of the program are looked at on the first designs, and the next are tried.
     let design = match !whole && (ruled.keeps() || target.is_some()) {
-        true => ruled.keep(&mut result, names.requirement, files, target),
+        true => ruled.keep(&mut result, names, ground, target),
         false => Ok(None),
     };
     let outlooks = outlooks(&result, catalog, asked.with_front, search)?;
@@ -221,7 +214,7 @@ fn find<'a>(
     let told = choice.as_ref().filter(|_| asked.with_costs);
     let costs_of_robot = told.map(|whole| ruled.cost_of_robot(plain, catalog, whole, options)).transpose()?.flatten();
     let design = match (&choice, target) {
-        (Some(whole), Some(path)) => ruled.whole(&result, whole, names.requirement, files, path).map(Some),
+        (Some(whole), Some(path)) => ruled.whole(&result, whole, names, ground, path).map(Some),
         _ => design,
     };
     let costs = if asked.with_costs { ruled.costs(plain, catalog, &result, search)? } else { Vec::new() };
@@ -256,6 +249,31 @@ impl Optimized {
                 "joint `{joint}`: the search looked at limits at {at} of {of} samples{added}; every design that is shown keeps them at all, and so do its windows where they were looked at; means and heat are of all"
             )
         })
+    }
+
+    /// The first choices, or the best combination where the whole robot was looked at, as the text of a design file: at the ratios that
+    /// were found. The names are in it as they are.
+    ///
+    /// # Errors
+    /// A joint without a design.
+    pub fn design_text(&self, requirement: &Path) -> Result<String, Failure> {
+        let result = &self.found().result;
+        let each = result.joints.iter().enumerate().map(|(k, of)| match self.chosen(k) {
+            Some(design) => Ok((design, None)),
+            None => Err(Failure::Argument(format!("joint `{}` has no design", of.joint.name))),
+        });
+        let designs = each.collect::<Result<_, _>>()?;
+        let what = "First choices";
+        Ok(design_file::toml(&Written { result, what, designs, requirement, catalog: &[], rules: None }))
+    }
+
+    /// What was chosen for a joint, by its place: of the best combination where the whole robot was looked at, else the first.
+    pub fn chosen(&self, joint: usize) -> Option<&Design<'_>> {
+        let found = self.found();
+        match &found.choice {
+            Some(whole) => whole.combinations.first().and_then(|best| best.joints.get(joint)),
+            None => found.result.joints.get(joint)?.candidates.first(),
+        }
     }
 
     /// What the JSON says of one candidate of a joint, by their places; `None` where there is none.

@@ -21,6 +21,17 @@ use crate::rules::bounded::{Kept, bounded};
 use crate::rules::lock::path_of;
 use crate::rules::{RULES, RulesFile, Severity, Test, check, file};
 
+/// By what names files are written into a design file.
+#[derive(Debug, Clone, Copy)]
+pub struct Names<'n> {
+    /// The requirement.
+    pub requirement: &'n Path,
+    /// The requirement itself, where it is no file that could be read again.
+    pub given: Option<&'n Arc<Source>>,
+    /// Catalogue files; none for the built-in one.
+    pub catalog: &'n [PathBuf],
+}
+
 /// The rules that a choice has to keep.
 #[derive(Debug)]
 pub struct Ruled {
@@ -167,8 +178,8 @@ impl Ruled {
     pub fn keep(
         &self,
         result: &mut RobotResult,
-        requirement: &Path,
-        catalog: (&Catalog, &[PathBuf]),
+        names: Names,
+        (plain, catalog): (&Robot, &Catalog),
         path: Option<&Path>,
     ) -> Result<Option<DesignText>, String> {
         loop {
@@ -177,13 +188,13 @@ impl Ruled {
             }
             let designs: Vec<&Design> = result.joints.iter().map(|joint| &joint.candidates[0]).collect();
             let make = |(joint, design): (&crate::design::JointResult, &&Design)| {
-                path.and_then(|_| made_again(result.robot, joint.joint, catalog.0, design))
+                path.and_then(|_| made_again(result.robot, joint.joint, catalog, design))
             };
             let made = result.joints.iter().zip(&designs).map(make).collect();
             let at = path.unwrap_or(Path::new("design.toml"));
-            let text = self.text(result, "First choices", designs, made, requirement, catalog.1, at);
+            let text = self.text(result, "First choices", designs, made, names, at);
             let Some(rules) = &self.rules else { return Ok(Some(text)) };
-            let broken = broken(&text.toml, at, catalog.0, rules, &self.robot)?;
+            let broken = self.broken(&text.toml, at, (plain, catalog), rules, names)?;
             let Some((joint, why)) = broken.into_iter().next() else { return Ok(Some(text)) };
             let place = joint.and_then(|name| result.joints.iter().position(|j| j.joint.name == name));
             let Some(place) = place else { return Err(format!("the rules are not kept: {why}")) };
@@ -201,8 +212,8 @@ impl Ruled {
         &self,
         result: &RobotResult,
         whole: &Choice,
-        requirement: &Path,
-        catalog: (&Catalog, &[PathBuf]),
+        names: Names,
+        (plain, catalog): (&Robot, &Catalog),
         path: &Path,
     ) -> Result<DesignText, String> {
         let without = without_choice(result, "no");
@@ -219,7 +230,7 @@ impl Ruled {
                 .zip(&result.joints)
                 .map(|(design, joint)| {
                     let alone = !result.robot.is_coupled();
-                    alone.then(|| made_again(result.robot, joint.joint, catalog.0, design)).flatten()
+                    alone.then(|| made_again(result.robot, joint.joint, catalog, design)).flatten()
                 })
                 .collect();
             let name = if whole.proof.certified() {
@@ -227,9 +238,9 @@ impl Ruled {
             } else {
                 "Best combination that was found, not proved"
             };
-            let text = self.text(result, name, designs, made, requirement, catalog.1, path);
+            let text = self.text(result, name, designs, made, names, path);
             let Some(rules) = &self.rules else { return Ok(text) };
-            match broken(&text.toml, path, catalog.0, rules, &self.robot)?.into_iter().next() {
+            match self.broken(&text.toml, path, (plain, catalog), rules, names)?.into_iter().next() {
                 None => return Ok(text),
                 Some((joint, why)) => {
                     last = format!(
@@ -242,19 +253,17 @@ impl Ruled {
         Err(last)
     }
 
-    #[expect(clippy::too_many_arguments, reason = "what a design file is made of")]
     fn text(
         &self,
         result: &RobotResult,
         what: &str,
         designs: Vec<&Design>,
         made: Vec<Option<Made>>,
-        requirement: &Path,
-        catalog: &[PathBuf],
+        names: Names,
         path: &Path,
     ) -> DesignText {
         let folder = path.parent().unwrap_or(Path::new(""));
-        let catalog: Vec<PathBuf> = catalog.iter().map(|p| way(folder, p)).collect();
+        let catalog: Vec<PathBuf> = names.catalog.iter().map(|p| way(folder, p)).collect();
         let rules = self.path.as_ref().map(|p| way(folder, p));
         let designs: Vec<_> = designs.into_iter().zip(made).collect();
         let costs = building_costs(result, &designs);
@@ -262,11 +271,46 @@ impl Ruled {
             result,
             what,
             designs,
-            requirement: &way(folder, requirement),
+            requirement: &way(folder, names.requirement),
             catalog: &catalog,
             rules: rules.as_deref(),
         });
         DesignText { toml, costs }
+    }
+
+    /// What keeps a design from passing its rules: errors, and rules that bound a measure, with their joint.
+    fn broken(
+        &self,
+        text: &str,
+        path: &Path,
+        (plain, catalog): (&Robot, &Catalog),
+        rules: &RulesFile,
+        names: Names,
+    ) -> Result<Vec<(Option<String>, String)>, String> {
+        let source = Arc::new(Source::new(path.display().to_string(), text));
+        let failed = |errors: Vec<crate::input::InputError>| {
+            let said = errors.iter().flat_map(|e| &e.problems).map(|p| p.message.clone()).collect::<Vec<_>>();
+            format!("the design that was made cannot be read: {}", said.join("; "))
+        };
+        let read = match names.given {
+            Some(requirement) => DesignFile::read_for(&source, requirement, plain),
+            None => DesignFile::read_source(&source),
+        };
+        let mut design = read.map_err(failed)?;
+        design.robot = settle(design.robot, catalog)?;
+        take_objectives(&mut design.robot, &self.robot);
+        let report = check(&design, catalog, rules, None, &path_of(path)).map_err(failed)?;
+        let bounds = |code: &str| match RULES.iter().find(|rule| rule.code == code) {
+            Some(rule) => matches!(rule.test, Test::Bounds { .. }),
+            // One's own.
+            None => true,
+        };
+        let blocks = report.findings.iter().filter(|f| {
+            let code = &report.rule_of(f).code;
+            let counts = f.severity == Severity::Error || f.severity == Severity::Warning && bounds(code);
+            f.allowed.is_none() && counts
+        });
+        Ok(blocks.map(|f| (f.joint.clone(), format!("{}: {}", report.rule_of(f).name, f.message))).collect())
     }
 }
 
@@ -299,34 +343,4 @@ fn take_objectives(robot: &mut Robot, from: &Robot) {
     for (joint, from) in robot.joints.iter_mut().zip(&from.joints) {
         (joint.objective, joint.balancing) = (from.objective.clone(), from.balancing.clone());
     }
-}
-
-/// What keeps a design from passing its rules: errors, and rules that bound a measure, with their joint.
-fn broken(
-    text: &str,
-    path: &Path,
-    catalog: &Catalog,
-    rules: &RulesFile,
-    robot: &Robot,
-) -> Result<Vec<(Option<String>, String)>, String> {
-    let source = Arc::new(Source::new(path.display().to_string(), text));
-    let failed = |errors: Vec<crate::input::InputError>| {
-        let said = errors.iter().flat_map(|e| &e.problems).map(|p| p.message.clone()).collect::<Vec<_>>();
-        format!("the design that was made cannot be read: {}", said.join("; "))
-    };
-    let mut design = DesignFile::read_source(&source).map_err(failed)?;
-    design.robot = settle(design.robot, catalog)?;
-    take_objectives(&mut design.robot, robot);
-    let report = check(&design, catalog, rules, None, &path_of(path)).map_err(failed)?;
-    let bounds = |code: &str| match RULES.iter().find(|rule| rule.code == code) {
-        Some(rule) => matches!(rule.test, Test::Bounds { .. }),
-        // One's own.
-        None => true,
-    };
-    let blocks = report.findings.iter().filter(|f| {
-        let code = &report.rule_of(f).code;
-        let counts = f.severity == Severity::Error || f.severity == Severity::Warning && bounds(code);
-        f.allowed.is_none() && counts
-    });
-    Ok(blocks.map(|f| (f.joint.clone(), format!("{}: {}", report.rule_of(f).name, f.message))).collect())
 }

@@ -45,7 +45,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
         [] => None,
         paths => Some(super::catalog(paths)?),
     };
-    let bench = read::read_for_row(&arguments.bench, catalog)?;
+    let bench = read::read_for_row(&arguments.bench, catalog, read::Logs::new())?;
     let answer = characterize(bench)?;
     let mut written = Vec::new();
     let mut satisfied = true;

@@ -77,7 +77,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
         [] => None,
         paths => Some(super::catalog(paths)?),
     };
-    let subject = read::read_subject(&arguments.bench, catalog)?;
+    let subject = read::read_subject(&arguments.bench, catalog, read::Logs::new())?;
     if let Subject::Robot(robot) = &subject {
         arguments.check_joint(robot)?;
     }

@@ -3,11 +3,8 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{Call, Done, Failure, Html};
-use crate::study::StudyError;
-use crate::study::assemble::{Shards, assemble};
-use crate::study::journal::Lock;
-use crate::study::output;
-use crate::study::text as report;
+use crate::ask::Answer;
+use crate::study::answer::Finished;
 
 /// Arguments of the command.
 #[derive(Debug, Args)]
@@ -33,20 +30,8 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     arguments.html.check()?;
-    let out = &arguments.out;
-    let there = output::FILES.iter().find(|f| out.join(f).exists());
-    if let (Some(file), false) = (there, arguments.force) {
-        return Err(Failure::Argument(format!(
-            "`{}` has results already (`{file}`): `--force` replaces them",
-            out.display()
-        )));
-    }
-    // Shards first: where they are wrong no folder is made.
-    let shards = Shards::open(&arguments.shards)?;
-    let _lock = Lock::take(out)?;
-    let summary = assemble(&shards, out).map_err(|e: StudyError| Failure::from(e))?;
-    super::study::page_of(&arguments.html, call, out, &summary)?;
-    let text =
-        if arguments.json { report::json_text(&summary) } else { super::study::written(out, report::text(&summary)) };
-    Ok(Done { text, satisfied: summary.broken == 0 })
+    let finished = Finished::merged(&arguments.out, &arguments.shards, arguments.force)?;
+    super::study::page_of(&arguments.html, call, &finished)?;
+    let text = if arguments.json { finished.json_text() } else { finished.text() };
+    Ok(Done { text, satisfied: finished.is_satisfied() })
 }

@@ -177,7 +177,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     }
     let whole = ready.robot().is_coupled() || arguments.robot;
     let names = arguments.catalog.paths();
-    let names = Names { requirement: &arguments.requirement, catalog: &names };
+    let names = Names { requirement: &arguments.requirement, given: None, catalog: &names };
     let watch = arguments.watch(work, ready.robot().joints.len(), whole, limit);
     let found = optimize(ready, &asked, names, watch)?;
     super::draw_plot(arguments.plot.as_ref(), &found)?;

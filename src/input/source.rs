@@ -21,7 +21,7 @@ use super::limits;
 const MAX_SHOWN: usize = 50;
 
 /// The text of one input file and the name it was opened by.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Source {
     name: String,
     path: PathBuf,
@@ -32,6 +32,8 @@ pub struct Source {
     lines: Vec<usize>,
     // Whether it is no file: values of a program, written down as TOML to be read like one.
     of_values: bool,
+    // Files that take the place of others, each with the name that it is meant by.
+    files: Vec<(String, PathBuf)>,
 }
 
 /// A file that a result rests on.
@@ -120,13 +122,33 @@ impl Source {
         if marked {
             text.drain(..3);
         }
-        Source { path: PathBuf::from(&name), name, text, marked, lines: Vec::new(), of_values: false }
+        Source {
+            path: PathBuf::from(&name),
+            name,
+            text,
+            marked,
+            lines: Vec::new(),
+            of_values: false,
+            files: Vec::new(),
+        }
     }
 
     /// Values of a program, written down as TOML to be read by the readers of files. A bare number is SI, and a mistake
     /// has the path of its key in place of a line.
     pub fn of_values(name: impl Into<String>, text: impl Into<String>) -> Source {
         Source { path: PathBuf::new(), of_values: true, ..Source::new(name, text) }
+    }
+
+    /// The same with files that take the place of those that it names, each with the name that it has there.
+    #[must_use]
+    pub fn with_files(self, files: Vec<(String, PathBuf)>) -> Source {
+        Source { files, ..self }
+    }
+
+    /// Where a file is that this one names: next to it, unless another takes its place.
+    pub fn file_for(&self, name: &str) -> PathBuf {
+        let given = self.files.iter().find(|(known, _)| known == name);
+        given.map_or_else(|| self.folder().join(name), |(_, path)| path.clone())
     }
 
     /// Whether it is values of a program, and no file.

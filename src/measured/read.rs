@@ -36,12 +36,15 @@ const ROTORS: &[(&str, bool)] = &[("installed", true), ("removed", false)];
 
 const USES: &[(&str, Use)] = &[("fit", Use::Fit), ("held_out", Use::HeldOut)];
 
+/// Files that take the place of logs that a bench file names, each with its name there.
+pub type Logs = Vec<(String, PathBuf)>;
+
 /// Reads a bench file and its logs.
 ///
 /// # Errors
 /// All mistakes of the bench file, then those of its catalogue and of its logs.
 pub fn read(path: &Path) -> Result<Bench, Vec<InputError>> {
-    read_file(path, None, false)
+    read_file(path, None, Logs::new(), false)
 }
 
 /// The same with another catalogue in place of the one that the bench file names.
@@ -49,25 +52,25 @@ pub fn read(path: &Path) -> Result<Bench, Vec<InputError>> {
 /// # Errors
 /// As of [`read`].
 pub fn read_with(path: &Path, catalog: Catalog) -> Result<Bench, Vec<InputError>> {
-    read_file(path, Some(catalog), false)
+    read_file(path, Some(catalog), Logs::new(), false)
 }
 
 /// A bench file from which a row is made: the motor needs no row yet, conventions are not assumed, and readings
-/// alone are enough. With a catalogue in place of the one that the file names, where given.
+/// alone are enough. With a catalogue in place of the one that the file names, where given, and files in the place of logs.
 ///
 /// # Errors
 /// As of [`read`].
-pub fn read_for_row(path: &Path, catalog: Option<Catalog>) -> Result<Bench, Vec<InputError>> {
-    read_file(path, catalog, true)
+pub fn read_for_row(path: &Path, catalog: Option<Catalog>, logs: Logs) -> Result<Bench, Vec<InputError>> {
+    read_file(path, catalog, logs, true)
 }
 
 /// A bench file of one actuator, or of the joints of a robot. With a catalogue in place of the one that the file names,
-/// where given.
+/// where given, and files in the place of logs.
 ///
 /// # Errors
 /// As of [`read`].
-pub fn read_subject(path: &Path, catalog: Option<Catalog>) -> Result<Subject, Vec<InputError>> {
-    read_form(path, |root, source, others| {
+pub fn read_subject(path: &Path, catalog: Option<Catalog>, logs: Logs) -> Result<Subject, Vec<InputError>> {
+    read_form(path, logs, |root, source, others| {
         if robot::is_one(root) {
             return robot::read(root, path, source, catalog, others).map(|robot| Subject::Robot(Box::new(robot)));
         }
@@ -75,8 +78,8 @@ pub fn read_subject(path: &Path, catalog: Option<Catalog>) -> Result<Subject, Ve
     })
 }
 
-fn read_file(path: &Path, catalog: Option<Catalog>, for_row: bool) -> Result<Bench, Vec<InputError>> {
-    read_form(path, |root, source, others| {
+fn read_file(path: &Path, catalog: Option<Catalog>, logs: Logs, for_row: bool) -> Result<Bench, Vec<InputError>> {
+    read_form(path, logs, |root, source, others| {
         if robot::is_one(root) {
             robot::refuse(root);
             return None;
@@ -87,13 +90,35 @@ fn read_file(path: &Path, catalog: Option<Catalog>, for_row: bool) -> Result<Ben
 
 fn read_form<T>(
     path: &Path,
+    logs: Logs,
     read: impl FnOnce(&Section, &Arc<Source>, &mut Vec<InputError>) -> Option<T>,
 ) -> Result<T, Vec<InputError>> {
-    let source = Source::argument(path).map_err(|e| vec![e])?;
+    let mut source = Source::argument(path).map_err(|e| vec![e])?;
+    let names: Vec<String> = logs.iter().map(|(name, _)| name.clone()).collect();
+    if !logs.is_empty() {
+        source = Arc::new(Arc::unwrap_or_clone(source).with_files(logs));
+    }
     let mut others = Vec::new();
-    let bench = Form::read(&source, |root| read(root, &source, &mut others));
+    let bench = Form::read(&source, |root| {
+        note_unnamed(root, &names);
+        read(root, &source, &mut others)
+    });
     let read = Form::with_others(bench, others);
     read.map_err(|errors| kind::instead_of_all(errors, &source, &[FileKind::Bench]))
+}
+
+/// Notes logs that are handed over and that the bench file does not name.
+fn note_unnamed(root: &Section, names: &[String]) {
+    if names.is_empty() {
+        return;
+    }
+    let table: toml::Table = root.source().text().parse().unwrap_or_default();
+    let logs = table.get("log").and_then(toml::Value::as_array).into_iter().flatten();
+    let known: Vec<&str> = logs.filter_map(|log| log.get("file")?.as_str()).collect();
+    for name in names.iter().filter(|name| !known.contains(&name.as_str())) {
+        let message = format!("the bench file names no log `{name}`, which is handed over");
+        root.note(Problem::whole(message).suggest(name, known.iter().copied()));
+    }
 }
 
 /// A log as the bench file describes it, of one actuator.
@@ -129,6 +154,8 @@ impl Plan {
 struct Recording {
     file: String,
     path: PathBuf,
+    /// The path as messages and lists have it: another where a file takes the place of the named one.
+    shown: String,
     file_span: Span<usize>,
     span: Span<usize>,
     usage: Use,
@@ -456,7 +483,8 @@ fn read_recording(section: &Section) -> Option<Recording> {
     let select = read_select(section);
     let exclude = read_exclude(section);
     let file = file?;
-    let path = section.source().folder().join(file.get_ref());
+    let path = section.source().file_for(file.get_ref());
+    let shown = section.source().folder().join(file.get_ref()).display().to_string();
     if let Err((message, help)) = table::probe(&path) {
         let problem = Problem::at(file.span(), format!("log `{}`: {message}", file.get_ref()), "named here");
         section.note(Problem { help, ..problem });
@@ -464,7 +492,16 @@ fn read_recording(section: &Section) -> Option<Recording> {
     }
     let file_span = file.span();
     let file = file.into_inner();
-    Some(Recording { file, path, file_span, span: section.span(), usage: usage?, select: select?, exclude: exclude? })
+    Some(Recording {
+        file,
+        path,
+        shown,
+        file_span,
+        span: section.span(),
+        usage: usage?,
+        select: select?,
+        exclude: exclude?,
+    })
 }
 
 /// Whether the kind suits the actuator, and has a log at all.
@@ -654,10 +691,10 @@ fn read_logs(
             held_out: plans[*i].recording.usage == Use::HeldOut,
         };
         let wanted: Vec<Wanted> = indices.iter().map(of).collect();
-        let path = &plans[indices[0]].recording.path;
-        match table::read(path, &wanted, &mut |problem| root.note(problem)) {
+        let Recording { path, shown, .. } = &plans[indices[0]].recording;
+        match table::read((path, shown), &wanted, &mut |problem| root.note(problem)) {
             Ok(Some((hash, found))) => {
-                files.push(InputFile { name: path.display().to_string(), sha256: hash.clone() });
+                files.push(InputFile { name: shown.clone(), sha256: hash.clone() });
                 rows.extend(indices.iter().zip(found).map(|(i, found)| (*i, (hash.clone(), found))));
             }
             Ok(None) => {}

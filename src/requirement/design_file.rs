@@ -62,6 +62,15 @@ pub struct JointDesign {
     pub reduction_span: Span<usize>,
 }
 
+/// Where the requirement of a design comes from.
+#[derive(Clone, Copy)]
+enum Requirement<'a> {
+    /// Its file is named, and read with what is set.
+    OfFile(&'a Settings),
+    /// It was read already.
+    Given(&'a Arc<Source>, &'a Robot),
+}
+
 /// How a design names a motor.
 #[derive(Debug, Clone)]
 pub enum MotorName {
@@ -132,8 +141,24 @@ impl DesignFile {
     /// # Errors
     /// As [`DesignFile::read`].
     pub fn read_set(source: &Arc<Source>, settings: &Settings) -> Result<DesignFile, Vec<InputError>> {
+        DesignFile::read_form(source, Requirement::OfFile(settings))
+    }
+
+    /// A design for a requirement that was read already, whatever its file names and sets.
+    ///
+    /// # Errors
+    /// As [`DesignFile::read`].
+    pub fn read_for(
+        source: &Arc<Source>,
+        requirement: &Arc<Source>,
+        robot: &Robot,
+    ) -> Result<DesignFile, Vec<InputError>> {
+        DesignFile::read_form(source, Requirement::Given(requirement, robot))
+    }
+
+    fn read_form(source: &Arc<Source>, requirement: Requirement) -> Result<DesignFile, Vec<InputError>> {
         let mut others = Vec::new();
-        let read = Form::read(source, |root| read_design(root, settings, &mut others));
+        let read = Form::read(source, |root| read_design(root, requirement, &mut others));
         let read = Form::with_others(read, others);
         read.map_err(|errors| kind::instead_of_all(errors, source, &[FileKind::Design]))
     }
@@ -292,15 +317,21 @@ const GEAR: Key = key("gear", "of the catalogue").value("id").or("ratio");
 
 /// What the reader asks for.
 pub fn describe() -> Description {
-    Form::describe("[[joint]]\nspring = {}\n", |root| read_design(root, &Settings::default(), &mut Vec::new()))
+    Form::describe("[[joint]]\nspring = {}\n", |root| {
+        read_design(root, Requirement::OfFile(&Settings::default()), &mut Vec::new())
+    })
 }
 
-fn read_design(root: &Section, settings: &Settings, others: &mut Vec<InputError>) -> Option<DesignFile> {
+fn read_design(root: &Section, from: Requirement, others: &mut Vec<InputError>) -> Option<DesignFile> {
     let folder = root.source().folder().to_path_buf();
     let requirement = root.required_text(key("requirement", "next to this file").value("file"), "\"robot.toml\"");
     let requirement_span = root.span_of("requirement");
     let own = root.section(SET).map(|section| Settings::of_section(&section)).unwrap_or_default();
     let robot = requirement.as_ref().and_then(|file| {
+        let settings = match from {
+            Requirement::OfFile(settings) => settings,
+            Requirement::Given(source, robot) => return Some((source.clone(), robot.clone())),
+        };
         let source = open(root, &folder, file.get_ref(), file.span(), "requirement")?;
         let robot = own.then(settings).read(&source, None);
         let mut noted = |error: InputError| match Arc::ptr_eq(&error.source, root.source()) {

@@ -21,6 +21,7 @@ mod objective;
 mod prices;
 mod read;
 mod robot;
+pub mod saved;
 pub mod set;
 mod teeth;
 mod transmission;

@@ -11,6 +11,7 @@ use toml_edit::{DocumentMut, Item, TableLike, Value};
 use super::motions::{FromDisk, Motions};
 use super::read;
 use super::robot::Robot;
+use super::saved::multiply;
 use crate::input::{Change, InputError, Key, Problem, Section, Source, key};
 
 /// Keys that multiply every motion instead of replacing a value.
@@ -284,15 +285,7 @@ fn each_table(item: &mut Item, mut of: impl FnMut(&mut dyn TableLike)) {
 
 /// Multiplies a factor of every joint, or of each of its load cases.
 fn scale_all(document: &mut DocumentMut, name: &str, factor: f64) {
-    let one = |table: &mut dyn TableLike| {
-        if !table.contains_key("scale") {
-            table.insert("scale", Item::Value(Value::InlineTable(toml_edit::InlineTable::new())));
-        }
-        let Some(scale) = table.get_mut("scale").and_then(Item::as_table_like_mut) else { return };
-        let number = |item: &Item| item.as_float().or(item.as_integer().map(|whole| whole as f64));
-        let before = scale.get(name).and_then(number).unwrap_or(1.0);
-        scale.insert(name, toml_edit::value(before * factor));
-    };
+    let one = |table: &mut dyn TableLike| multiply(table, name, factor);
     let Some(joints) = document.get_mut("joint") else { return };
     each_table(joints, |joint| match joint.get_mut("case") {
         Some(cases) => each_table(cases, one),

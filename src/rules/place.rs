@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::actuator::limits::{Key, asked_by};
-use crate::input::{Source, Step, locate};
+use crate::input::{Source, Step, key_path, locate};
 use crate::requirement::{DesignFile, JointDesign};
 
 /// A part of the input that a finding is about.
@@ -41,6 +41,8 @@ pub struct Location {
     pub end_line: usize,
     /// Column behind the last.
     pub end_column: usize,
+    /// Of values of a program, which have no lines for people: the path of the key.
+    pub key: Option<String>,
 }
 
 impl Location {
@@ -53,7 +55,8 @@ impl Location {
             let first = source.text()[span.start.min(source.text().len())..].lines().next().unwrap_or("");
             (end_line, end_column) = (line, column + first.trim_end().chars().count());
         }
-        Location { file: clean(source.name()), line, column, end_line, end_column }
+        let key = source.is_of_values().then(|| key_path(source.text(), span));
+        Location { file: clean(source.name()), line, column, end_line, end_column, key }
     }
 }
 

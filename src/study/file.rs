@@ -47,6 +47,16 @@ pub fn read(source: &Arc<Source>) -> Result<StudyFile, InputError> {
     Form::read(source, read_root).map_err(|error| kind::instead(error, &[FileKind::Study]))
 }
 
+/// The grid of a program: the table `grid` of a study file, in which a bare number is SI; and what it is written in.
+///
+/// # Errors
+/// As [`read`].
+pub fn grid_of_values(text: String) -> Result<(Grid, Arc<Source>), InputError> {
+    let source = Arc::new(Source::of_values("the grid", text));
+    let grid = Form::read(&source, |root| root.section(GRID).and_then(|section| read_grid(&section)))?;
+    Ok((grid, source))
+}
+
 const REQUIREMENT: Key = key("requirement", "the requirement, next to this file").value("file").or("requirements");
 const REQUIREMENTS: Key = key("requirements", "requirement files, folders and patterns such as `robots/*.toml`")
     .value("list of paths")
@@ -164,7 +174,12 @@ fn gather(
             return;
         }
     }
-    let changes = values.into_iter().map(|(text, span)| Change::new(key, at.clone(), text, span)).collect();
+    let of_values = section.source().is_of_values();
+    let change = |(text, span)| {
+        let change = Change::new(key, at.clone(), text, span);
+        if of_values { change.of_values() } else { change }
+    };
+    let changes = values.into_iter().map(change).collect();
     parameters.push(Parameter::new(key.to_string(), changes));
 }
 

@@ -7,6 +7,8 @@
 //! same bytes, however they came about. Robots are worked on in blocks, so that nothing grows with
 //! their number.
 
+pub mod answer;
+pub mod asked;
 pub mod assemble;
 pub mod columns;
 pub mod effects;
@@ -27,6 +29,7 @@ pub mod worker;
 
 use std::path::Path;
 
+use crate::ask::Failure;
 use crate::input::InputError;
 
 pub use plan::{Plan, Settings, Shard};
@@ -46,6 +49,18 @@ pub enum StudyError {
         /// Robots that were to be done.
         of: u64,
     },
+}
+
+impl From<StudyError> for Failure {
+    fn from(error: StudyError) -> Failure {
+        match error {
+            StudyError::Input(errors) => Failure::Input(errors),
+            StudyError::Argument(message) => Failure::Argument(message),
+            StudyError::Stopped { done, of } => Failure::Interrupted(format!(
+                "stopped: {done} of {of} robots are finished and kept; the same command with `--resume` goes on"
+            )),
+        }
+    }
 }
 
 impl From<Vec<InputError>> for StudyError {

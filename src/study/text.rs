@@ -22,7 +22,8 @@ pub fn text(summary: &Summary) -> String {
     out
 }
 
-fn robots(count: u64) -> String {
+/// How many robots.
+pub fn robots(count: u64) -> String {
     if count == 1 { "1 robot".into() } else { format!("{count} robots") }
 }
 

@@ -510,7 +510,7 @@ fn a_file_that_changes_is_never_read_as_a_mixture() {
     let (mut logs, mut changed) = (0, 0);
     let begun = Instant::now();
     while begun.elapsed() < Duration::from_secs(3) {
-        match measured::read::read_for_row(&desk.path("bench.toml"), None) {
+        match measured::read::read_for_row(&desk.path("bench.toml"), None, Vec::new()) {
             Ok(bench) => {
                 let torque = bench.logs[0].channels.values().next_back().unwrap();
                 assert!(torque.iter().all(|t| (t - torque[0]).abs() < 1e-12), "a mixture");

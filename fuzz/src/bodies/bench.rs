@@ -131,7 +131,7 @@ fn evaluate(path: &Path) {
             assert!(!reports.is_empty());
         }
     }
-    if let Some(bench) = accepted(read_for_row(path, None)) {
+    if let Some(bench) = accepted(read_for_row(path, None, Vec::new())) {
         sane_bench(&bench);
         if let Ok(found) = characterize::characterize(&bench) {
             for quantity in found.outcomes.iter().flat_map(|o| &o.quantities) {

@@ -38,22 +38,20 @@ pub(crate) fn probe(path: &Path) -> Result<(), (String, Option<String>)> {
     }
 }
 
-/// Reads the logs that come from one file. What is wrong with the bench file (a column that is not there, a selection
+/// Reads the logs that come from one file, which messages call by a name. What is wrong with the bench file (a column that is not there, a selection
 /// without rows) goes to `note`.
 ///
 /// # Errors
 /// What is wrong with the log file.
 pub fn read(
-    path: &Path,
+    (path, name): (&Path, &str),
     wanted: &[Wanted],
     note: &mut dyn FnMut(Problem),
 ) -> Result<Option<(String, Vec<Rows>)>, InputError> {
-    let name = path.display().to_string();
-    let wrong =
-        |problem: Problem| InputError { source: Arc::new(Source::new(name.clone(), "")), problems: vec![problem] };
+    let wrong = |problem: Problem| InputError { source: Arc::new(Source::new(name, "")), problems: vec![problem] };
     let mut opened = Opened::new(path, limits::LOG_BYTES).map_err(wrong)?;
     match Format::of(path, &mut opened.file).map_err(wrong)? {
-        Format::Lines => lines::read(path, opened, wanted, note),
-        Format::Arrays(reader) => arrays::read(path, opened, reader, wanted, note),
+        Format::Lines => lines::read((path, name), opened, wanted, note),
+        Format::Arrays(reader) => arrays::read((path, name), opened, reader, wanted, note),
     }
 }

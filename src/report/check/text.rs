@@ -10,7 +10,12 @@ use crate::rules::{Finding, Location, Report, Severity, Test, rule};
 
 /// A place as editors open it.
 pub(in crate::report) fn place(location: &Location) -> String {
-    format!("{}:{}:{}", printable(&location.file), location.line, location.column)
+    let file = printable(&location.file);
+    match &location.key {
+        None => format!("{file}:{}:{}", location.line, location.column),
+        Some(key) if key.is_empty() => file,
+        Some(key) => format!("{file} {}", printable(key)),
+    }
 }
 
 /// Names of files and catalogues cannot drive the terminal.

@@ -31,7 +31,7 @@ use std::path::Path;
 
 pub use bars::Bars;
 pub use chain::Chain;
-pub use render::text;
+pub use render::{fragment, text};
 
 use super::plot::{self, Figure};
 use crate::input::InputFile;

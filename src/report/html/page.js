@@ -34,20 +34,67 @@ function nextPlace() {
   places[state.at].scrollIntoView({ block: "center" });
 }
 function themed() {
-  state.listeners.forEach((listener) => listener("theme"));
+  state.listeners = state.listeners.filter(({ at }) => at.isConnected);
+  state.listeners.forEach(({ paint }) => paint());
   redraw();
+}
+function rememberRow(row) {
+  if (row.dataset.i === undefined) return;
+  const id = Number(row.dataset.i);
+  rowsOf.set(id, [...(rowsOf.get(id) ?? []), row]);
+}
+function forgetRow(row) {
+  const id = Number(row.dataset.i);
+  if (rowsOf.has(id)) rowsOf.set(id, rowsOf.get(id).filter((other) => other !== row));
+}
+// The views of tables and figures, by their elements.
+const views = new WeakMap();
+function bring(root, figures) {
+  root.querySelectorAll("tr[data-i]").forEach(rememberRow);
+  const of = (what) => [...(root.matches?.(what) ? [root] : []), ...root.querySelectorAll(what)];
+  of("div.table").forEach((table) => views.set(table, new TableView(table)));
+  of("figure[data-figure]").forEach((host) => views.set(host, new FigureView(host, figures[Number(host.dataset.figure)])));
+}
+// Puts a fragment (html, ids, figures) into an element. Tables and figures that are alike stay, with what was sorted, filtered,
+// hidden, zoomed into and focused, and show what is new; all else is replaced.
+function mount(root, fragment) {
+  const at = fragment.ids.map((name) => (data.ids.includes(name) ? data.ids.indexOf(name) : data.ids.push(name) - 1));
+  for (const figure of fragment.figures) for (const group of figure.groups) for (const panel of group.panels) {
+    for (const s of panel.series) if (s.ids) s.ids = s.ids.map((id) => at[id]);
+  }
+  const box = document.createElement("template");
+  box.innerHTML = fragment.html;
+  box.content.querySelectorAll("tr[data-i]").forEach((row) => { row.dataset.i = at[Number(row.dataset.i)]; });
+  renew(root, box.content, fragment.figures);
+  for (let k = panels.length - 1; k >= 0; k--) if (!panels[k].host.isConnected) panels.splice(k, 1);
+  choose(state.chosen);
+}
+function renew(root, content, figures) {
+  const left = [...root.children], title = (e) => e.querySelector(":scope > summary")?.textContent;
+  const parts = [...content.children].map((part) => {
+    let found = left.findIndex((old) => views.get(old)?.takes(part, figures));
+    if (found < 0 && part.matches("details")) {
+      found = left.findIndex((old) => old.matches("details") && title(old) === title(part));
+      if (found >= 0) renew(left[found], part, figures);
+    }
+    return found >= 0 ? { here: left.splice(found, 1)[0] } : { here: part, isNew: true };
+  });
+  for (const old of left) {
+    old.querySelectorAll("tr[data-i]").forEach(forgetRow);
+    old.remove();
+  }
+  // What stays in its place is not touched: it would lose the focus.
+  parts.forEach(({ here, isNew }, k) => {
+    if (root.children[k] !== here) root.insertBefore(here, root.children[k] ?? null);
+    if (isNew) bring(here, figures);
+  });
 }
 (function start() {
   const box = make("div", "");
   box.id = "tip";
   box.hidden = true;
   document.body.append(box);
-  document.querySelectorAll("tr[data-i]").forEach((row) => {
-    const id = Number(row.dataset.i);
-    rowsOf.set(id, [...(rowsOf.get(id) ?? []), row]);
-  });
-  document.querySelectorAll("div.table").forEach((table) => new TableView(table));
-  document.querySelectorAll("figure[data-figure]").forEach(drawFigure);
+  bring(document, data.figures);
   const theme = document.getElementById("theme"), root = document.documentElement;
   const names = { "": "as the system", dark: "dark", light: "light" };
   theme.addEventListener("click", () => {

@@ -50,11 +50,8 @@ const noteOf = (s, k) => s.notes?.[k] ?? (idOf(s, k) >= 0 ? data.ids[idOf(s, k)]
 
 class PanelView {
   constructor(panel, figure, host) {
-    Object.assign(this, { panel, figure, host, hidden: new Set(), marks: [] });
-    this.ids = new Set(panel.series.flatMap((s) => s.ids ?? []));
-    this.full = { x: panel.x.range, y: panel.y.range };
-    const overDots = new Set(panel.series.filter((s) => s.mark === "dots").map((s) => s.tone));
-    for (const s of panel.series) s.strong = overDots.has(s.tone);
+    Object.assign(this, { host, hidden: new Set(), marks: [] });
+    this.take(panel, figure);
     this.reset = document.createElement("button");
     this.reset.type = "button";
     this.reset.className = "reset";
@@ -64,6 +61,24 @@ class PanelView {
     host.append(this.reset);
     this.make();
     panels.push(this);
+  }
+  take(panel, figure) {
+    Object.assign(this, { panel, figure });
+    this.ids = new Set(panel.series.flatMap((s) => s.ids ?? []));
+    this.full = { x: panel.x.range, y: panel.y.range };
+    const overDots = new Set(panel.series.filter((s) => s.mark === "dots").map((s) => s.tone));
+    for (const s of panel.series) s.strong = overDots.has(s.tone);
+  }
+  // Other values on the same axes: what was zoomed into and what was hidden stays.
+  update(panel, figure) {
+    const zoomed = !this.reset.hidden, { x, y } = this.plot.scales, seen = { x: [x.min, x.max], y: [y.min, y.max] };
+    this.take(panel, figure);
+    const range = zoomed ? seen : this.full;
+    this.plot.batch(() => {
+      for (const key of ["x", "y"]) this.plot.setScale(key, { min: range[key][0], max: range[key][1] });
+    });
+    this.zoomed();
+    this.plot.redraw(false, true);
   }
   size() {
     const [w, h] = this.figure.panel, width = Math.max(240, Math.floor(this.host.clientWidth));
@@ -469,7 +484,7 @@ function legend(views) {
   const list = Object.assign(document.createElement("div"), { className: "legend" });
   for (const [name, samples] of entries) {
     const button = Object.assign(document.createElement("button"), { type: "button", title: "hide or show" });
-    button.setAttribute("aria-pressed", "true");
+    button.setAttribute("aria-pressed", String(!views.some((view) => view.hidden.has(name))));
     const canvas = document.createElement("canvas");
     button.append(canvas, name);
     button.addEventListener("click", () => {
@@ -503,7 +518,7 @@ function legend(views) {
       }
     };
     paint();
-    state.listeners.push((what) => what === "theme" && paint());
+    state.listeners.push({ at: canvas, paint });
     list.append(button);
   }
   return entries.size ? list : null;
@@ -512,35 +527,66 @@ function legend(views) {
 function make(tag, text, className) {
   return Object.assign(document.createElement(tag), { textContent: text, className: className ?? "" });
 }
-function drawFigure(host) {
-  const figure = data.figures[Number(host.dataset.figure)];
-  for (const group of figure.groups) {
-    if (group.title) host.append(make("h3", group.title));
-    if (group.caption) host.append(make("p", group.caption, "note"));
-    const grid = make("div", "", "panels");
-    const shared = [], later = [];
-    host.append(grid);
-    const single = group.panels.length === 1;
-    if (single) grid.classList.add("single");
-    for (const panel of group.panels) {
-      const box = make("div", "", "panel");
-      grid.append(box);
-      if (panel.title) box.append(make("h4", panel.title));
-      if (!panel.x.range || !panel.y.range) {
-        box.append(make("p", `${panel.x.label ? panel.x.label + ": " : ""}${panel.empty || "nothing to draw"}`, "note"));
-        continue;
+const axes = (panel) => [panel.x, panel.y].flatMap((axis) => [axis.label, axis.log, !axis.range, ...axis.names]);
+class FigureView {
+  constructor(host, figure) {
+    Object.assign(this, { host, figure, views: [], legends: [] });
+    for (const group of figure.groups) {
+      if (group.title) host.append(make("h3", group.title));
+      if (group.caption) host.append(make("p", group.caption, "note"));
+      const grid = make("div", "", "panels");
+      const shared = [], later = [];
+      host.append(grid);
+      const single = group.panels.length === 1;
+      if (single) grid.classList.add("single");
+      for (const panel of group.panels) {
+        const box = make("div", "", "panel");
+        grid.append(box);
+        if (panel.title) box.append(make("h4", panel.title));
+        if (!panel.x.range || !panel.y.range) {
+          box.append(make("p", `${panel.x.label ? panel.x.label + ": " : ""}${panel.empty || "nothing to draw"}`, "note"));
+          continue;
+        }
+        const plot = make("div", "", "plot");
+        box.append(plot);
+        later.push(() => {
+          const view = new PanelView(panel, figure, plot);
+          this.views.push(view);
+          if (group.own) this.legend([view], plot); else shared.push(view);
+        });
       }
-      const plot = make("div", "", "plot");
-      box.append(plot);
-      later.push(() => {
-        const view = new PanelView(panel, figure, plot);
-        if (group.own) { const own = legend([view]); if (own) plot.before(own); } else shared.push(view);
-      });
+      // Only when all boxes stand is it known how wide each is.
+      later.forEach((draw) => draw());
+      if (shared.length) this.legend(shared, grid);
     }
-    // Only when all boxes stand is it known how wide each is.
-    later.forEach((draw) => draw());
-    const all = legend(shared);
-    if (all) grid.before(all);
+  }
+  // The legend of some diagrams, before an element.
+  legend(views, before) {
+    const list = legend(views);
+    if (list) before.before(list);
+    this.legends.push({ views, before, list });
+  }
+  // Whether another figure has the same diagrams, with other values.
+  same(other) {
+    const groups = (figure) => figure.groups.map((g) => [g.title, g.caption, g.own, g.panels.map((p) => [p.title, axes(p), p.empty])]);
+    return JSON.stringify(groups(this.figure)) === JSON.stringify(groups(other));
+  }
+  takes(part, figures) {
+    const figure = part.matches("figure[data-figure]") ? figures[Number(part.dataset.figure)] : null;
+    if (!figure || !this.same(figure)) return false;
+    this.figure = figure;
+    const drawn = figure.groups.flatMap((g) => g.panels).filter((p) => p.x.range && p.y.range);
+    this.views.forEach((view, k) => view.update(drawn[k], figure));
+    for (const of of this.legends) {
+      const focused = of.list?.contains(document.activeElement) ? document.activeElement.textContent : null;
+      of.list?.remove();
+      of.list = legend(of.views);
+      if (of.list) of.before.before(of.list);
+      if (focused !== null) [...(of.list?.children ?? [])].find((b) => b.textContent === focused)?.focus();
+    }
+    this.host.setAttribute("aria-label", part.getAttribute("aria-label"));
+    this.host.querySelector("figcaption")?.replaceChildren(...part.querySelector("figcaption").childNodes);
+    return true;
   }
 }
 // Draws again; with ids only the diagrams that have one of them.

@@ -60,11 +60,7 @@ const SCRIPT: &str = concat!(
 
 /// A page as text; the same page is the same text.
 pub fn text(page: &Page) -> String {
-    let mut ids = Ids::default();
-    let mut figures: Vec<Value> = Vec::new();
-    let mut body = Body { out: String::new(), ids: &mut ids, figures: &mut figures };
-    body.page(page);
-    let body = body.out;
+    let (body, ids, figures) = written(|body| body.page(page));
     let data = island(&json!({ "ids": ids.names(), "tones": figure::tones(), "figures": figures }));
     let title = escaped(&format!("{}: {}", page.command, page.title));
     let policy = format!(
@@ -82,6 +78,22 @@ pub fn text(page: &Page) -> String {
          <script type=\"application/json\" id=\"data\">{data}</script>\n<script>{SCRIPT}</script>\n</body>\n</html>\n",
         version = env!("CARGO_PKG_VERSION"),
     )
+}
+
+/// Parts for a page that is open already: `html`, with the `ids` and the `figures` that its numbers mean. The page's script puts
+/// them in the place of others (`mount`).
+pub fn fragment(parts: &[Part]) -> Value {
+    let (html, ids, figures) = written(|body| parts.iter().for_each(|part| body.part(part)));
+    json!({ "html": html, "ids": ids.names(), "figures": figures })
+}
+
+/// What is written as a body, with its ids and figures.
+fn written(write: impl FnOnce(&mut Body)) -> (String, Ids, Vec<Value>) {
+    let mut ids = Ids::default();
+    let mut figures: Vec<Value> = Vec::new();
+    let mut body = Body { out: String::new(), ids: &mut ids, figures: &mut figures };
+    write(&mut body);
+    (body.out, ids, figures)
 }
 
 /// How a policy names an inline script or style: by its hash, in base 64.
@@ -309,5 +321,40 @@ impl Body<'_> {
             self.table(&Table::new("Input files", &["file", "sha256"]).rows(rows), false);
         }
         self.put("</section>\n");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::plot::{Group, Mark, Series, Tone};
+
+    #[test]
+    fn a_fragment_is_what_a_page_has_of_the_same_parts() {
+        let hostile = "</script><b>x";
+        let mut table = Table::new("Motors", &["motor", ">loss [W]"]);
+        table.push(hostile, vec![hostile.into(), "1".into()]);
+        let series = Series {
+            ids: vec![hostile.into()],
+            ..Series::new(Tone::Blue, Mark::Points(plot::Shape::Circle), vec![(1.0, 2.0)])
+        };
+        let panel = plot::Panel {
+            x: plot::Axis::linear("N"),
+            y: plot::Axis::linear("loss"),
+            series: vec![series],
+            ..plot::Panel::default()
+        };
+        let figure =
+            plot::Figure { groups: vec![Group { panels: vec![panel], ..Group::default() }], ..plot::Figure::default() };
+        let parts = vec![Part::Text(hostile.into()), Part::Table(table), Part::Figure(figure)];
+        let fragment = fragment(&parts);
+        let html = fragment["html"].as_str().unwrap();
+        assert!(!html.contains("</script>") && html.contains("&lt;/script&gt;"), "{html}");
+        // One thing has one number, in table and figure.
+        assert_eq!(fragment["ids"], json!([hostile]));
+        assert!(html.contains("data-i=0") && html.contains("data-figure=\"0\""));
+        assert_eq!(fragment["figures"][0]["groups"][0]["panels"][0]["series"][0]["ids"], json!([0]));
+        let page = text(&Page { sections: vec![Section::new("All", parts)], ..Page::default() });
+        assert!(page.contains(html));
     }
 }

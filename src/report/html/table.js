@@ -42,6 +42,7 @@ class TableView {
       head.setAttribute("aria-sort", "none");
       button.addEventListener("click", () => this.sort(column));
     });
+    this.heading = this.heads.map((h) => h.textContent);
     this.rows.forEach((row) => this.tie(row));
     this.box = box;
     this.labelled = 0;
@@ -137,9 +138,32 @@ class TableView {
     });
     this.count.textContent = shown === this.rows.length ? `${shown} rows` : `${shown} of ${this.rows.length} rows`;
   }
+  // Other rows under the same heads: order, filter and what has the focus stay.
+  takes(part) {
+    const heads = part.matches("div.table") ? [...part.querySelectorAll("thead th")].map((h) => h.textContent) : null;
+    if (!heads || heads.join("\n") !== this.heading.join("\n") || Number(part.dataset.main ?? 0) !== this.main) return false;
+    const focused = this.body.contains(document.activeElement) ? document.activeElement.closest("tr")?.dataset.i : undefined;
+    this.rows.forEach(forgetRow);
+    this.rows = [...part.querySelector("tbody").rows];
+    this.cells = this.rows.map((row) => [...row.cells].map((c) => c.textContent.toLowerCase()));
+    this.labelled = 0;
+    this.body.replaceChildren(...this.rows);
+    this.rows.forEach((row) => { rememberRow(row); this.tie(row); });
+    this.box.querySelector("caption").replaceChildren(...part.querySelector("caption").childNodes);
+    this.scroll.setAttribute("aria-label", part.querySelector(".scroll").getAttribute("aria-label"));
+    if (this.field) this.filter();
+    else if (this.rows.length > 7) this.bar(this.box);
+    if (this.sorted.column >= 0) this.order();
+    if (focused !== undefined) this.rows.find((row) => row.dataset.i === focused)?.querySelector(".pick")?.focus();
+    this.fit();
+    return true;
+  }
   sort(column) {
-    const down = this.sorted.column === column && !this.sorted.down;
-    this.sorted = { column, down };
+    this.sorted = { column, down: this.sorted.column === column && !this.sorted.down };
+    this.order();
+  }
+  order() {
+    const { column, down } = this.sorted;
     const numbers = this.heads[column].classList.contains("n");
     const keys = this.cells.map((c) => (numbers ? numeric(c[column]) : c[column] || null));
     const order = this.rows.map((_, k) => k).sort((a, b) => {

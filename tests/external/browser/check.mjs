@@ -219,6 +219,85 @@ async function sortsAndFilters(file) {
   await close();
 }
 
+// A fragment that comes later takes the place of what is alike: sorting, filter, zoom, hidden series and focus stay.
+async function renews(file) {
+  const { page, wrong, close } = await open(file);
+  await wait(page);
+  // The raw section as the program wrote it, with a change or without.
+  const mounted = (change) => page.evaluate(([html, change]) => {
+    const raw = new DOMParser().parseFromString(html, "text/html"), own = JSON.parse(raw.getElementById("data").textContent);
+    const section = raw.getElementById("s1");
+    section.querySelectorAll("h2").forEach((h) => h.remove());
+    let root = document.getElementById("renewed");
+    if (!root) {
+      root = Object.assign(document.createElement("section"), { id: "renewed" });
+      document.querySelector("main").prepend(root);
+    }
+    const rows = [...section.querySelectorAll("div.table tbody")[0].rows];
+    if (change === "rows") {
+      // Another loss, one row less, and a motor that the page did not know.
+      rows.at(-1).remove();
+      const name = rows[0].cells[0].textContent;
+      own.ids[rows[0].dataset.i] = "a-motor-of-later";
+      rows[0].cells[[...rows[0].cells].findIndex((c) => c.textContent === name)].textContent = "a-motor-of-later";
+      for (const figure of own.figures) for (const g of figure.groups) for (const p of g.panels) for (const s of p.series) s.y = s.y.map((v) => v === null ? v : 1.01 * v);
+    }
+    if (change === "other") section.querySelectorAll("div.table thead th")[0].textContent = "another head";
+    mount(root, { html: section.innerHTML, ids: own.ids, figures: own.figures });
+  }, [fs.readFileSync(file, "utf8"), change]);
+  await mounted("");
+  await wait(page);
+  const table = page.locator("#renewed div.table").first(), sort = table.locator("thead th button").nth(2);
+  await sort.click();
+  await sort.click();
+  await table.getByRole("searchbox").fill("-maxon");
+  const before = await page.evaluate(() => {
+    const host = document.querySelector("#renewed .plot"), view = panels.find((v) => v.host === host);
+    const [low, high] = view.full.x;
+    view.plot.setScale("x", { min: low + 0.25 * (high - low), max: low + 0.5 * (high - low) });
+    const button = document.querySelector("#renewed .legend button");
+    button.click();
+    button.focus();
+    return { panels: panels.length, hidden: button.textContent, table: document.querySelector("#renewed div.table"), y: view.panel.series.map((s) => s.y) };
+  });
+  await wait(page);
+  const seen = () => page.evaluate(() => {
+    const host = document.querySelector("#renewed .plot"), view = panels.find((v) => v.host === host);
+    const { min, max } = view.plot.scales.x, [low, high] = view.full.x, button = document.querySelector("#renewed .legend button");
+    const table = document.querySelector("#renewed div.table"), shown = [...table.querySelectorAll("tbody tr")].filter((r) => !r.hidden);
+    return {
+      zoom: [(min - low) / (high - low), (max - low) / (high - low)].map((v) => Math.round(100 * v)), reset: !host.querySelector(".reset").hidden,
+      hidden: [...view.hidden], pressed: button.getAttribute("aria-pressed"), focus: document.activeElement === button,
+      sort: table.querySelectorAll("thead th")[2].getAttribute("aria-sort"), filter: table.querySelector("input").value,
+      maxon: shown.some((r) => r.textContent.includes("maxon")), rows: table.querySelectorAll("tbody tr").length, later: table.textContent.includes("a-motor-of-later"),
+      keys: shown.map((r) => parseFloat(r.cells[2].textContent)).filter((v) => !Number.isNaN(v)), y: view.panel.series.map((s) => s.y), panels: panels.length,
+    };
+  });
+  const first = await seen();
+  await mounted("rows");
+  await wait(page);
+  const now = await seen();
+  const kept = ({ zoom, reset, hidden, pressed, focus, sort, filter, maxon, panels }) => ({ zoom, reset, hidden, pressed, focus, sort, filter, maxon, panels });
+  equal(kept(now), kept(first), "what the user did stays");
+  equal({ ...kept(now), panels: 0 }, { zoom: [25, 50], reset: true, hidden: [before.hidden], pressed: "false", focus: true, sort: "descending", filter: "-maxon", maxon: false, panels: 0 });
+  equal(now.rows, first.rows - 1, "a row went");
+  ok(now.later && !first.later, "another came");
+  equal(now.keys, [...now.keys].sort((a, b) => b - a), "what is new is in order");
+  ok(JSON.stringify(now.y) !== JSON.stringify(first.y), "the diagram shows what is new");
+  // The new motor is one thing in table and diagram.
+  await table.getByRole("searchbox").fill("");
+  equal((await seen()).keys, [...(await seen()).keys].sort((a, b) => b - a));
+  await table.getByRole("button", { name: "a-motor-of-later" }).click();
+  ok((await page.locator("#chosen-text").textContent()).startsWith("a-motor-of-later: in 1 row"));
+  // What is not alike is replaced: its filter goes with it.
+  await mounted("other");
+  await wait(page);
+  equal(await page.evaluate(() => document.querySelector("#renewed div.table input")?.value ?? ""), "");
+  equal((await seen()).panels, first.panels, "no diagram is left behind");
+  equal(wrong, []);
+  await close();
+}
+
 // The columns that are not shown at once come by the button, and go again.
 async function columns(file) {
   const { page, wrong, close } = await open(file, { viewport: { width: 1440, height: 900 } });
@@ -379,6 +458,7 @@ for (const [name, file] of Object.entries(files)) {
 if (files.check) await finds(files.check);
 if (files.optimize) await sortsAndFilters(files.optimize);
 if (files.optimize) await columns(files.optimize);
+if (files.optimize) await renews(files.optimize);
 for (const name of ["optimize", "rank", "sweep", "pareto"]) if (files[name]) await highlights(files[name]);
 if (files.rank) await zooms(files.rank);
 for (const name of ["optimize", "rank"]) if (files[name]) await themes(files[name]);

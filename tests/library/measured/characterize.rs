@@ -81,7 +81,7 @@ fn ri50(runs: &[(&str, &str)], more: &str) -> Option<Bench> {
     );
     let path = folder.path().join("bench.toml");
     std::fs::write(&path, text).unwrap();
-    Some(read_for_row(&path, None).unwrap_or_else(|e| panic!("{}", e[0])))
+    Some(read_for_row(&path, None, Vec::new()).unwrap_or_else(|e| panic!("{}", e[0])))
 }
 
 fn warned(result: &Characterization, check: &str, part: &str) -> bool {
@@ -367,7 +367,7 @@ fn bench_of(logs: Vec<gearwise::measured::Log>) -> Bench {
     let text = "ambient = \"22 degC\"\n[terminals]\nwinding = \"wye\"\nresistance = [\"1.4 ohm\", \"1.4 ohm\", \"1.4 \
                 ohm\"]\nresistance_tolerance = \"0 ohm\"\ntemperature = \"25 degC\"\n";
     std::fs::write(&path, text).unwrap();
-    let bench = read_for_row(&path, None).unwrap_or_else(|e| panic!("{}", e[0]));
+    let bench = read_for_row(&path, None, Vec::new()).unwrap_or_else(|e| panic!("{}", e[0]));
     assert_relative_eq!(bench.readings.ambient.unwrap(), AMBIENT, max_relative = 1e-12);
     Bench { logs, ..bench }
 }

@@ -9,7 +9,7 @@ use crate::simulator::arm::{Arm, JOINTS};
 fn read(arm: &Arm, logs: usize) -> RobotBench {
     let folder = tempfile::tempdir().expect("a folder");
     let path = arm.write(folder.path(), logs);
-    match read_subject(&path, None).unwrap_or_else(|e| panic!("{}", e[0])) {
+    match read_subject(&path, None, Vec::new()).unwrap_or_else(|e| panic!("{}", e[0])) {
         Subject::Robot(robot) => *robot,
         Subject::Actuator(_) => panic!("a robot"),
     }
@@ -124,7 +124,7 @@ fn a_joint_that_turns_the_other_way_is_no_mass() {
              current = {{ name = \"i_{{joint}}\", unit = \"A\", convention = \"q_axis\", sign = -1 }} }}\n"
         );
         std::fs::write(&path, text.replacen(&own, &columns, 1)).expect("the bench file");
-        let Subject::Robot(robot) = read_subject(&path, None).unwrap_or_else(|e| panic!("{}", e[0])) else {
+        let Subject::Robot(robot) = read_subject(&path, None, Vec::new()).unwrap_or_else(|e| panic!("{}", e[0])) else {
             panic!("a robot")
         };
         let report = identify(&robot, &Options::default(), Some(0)).unwrap_or_else(|e| panic!("{e}"));

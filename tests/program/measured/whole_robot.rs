@@ -84,7 +84,7 @@ fn mistake(change: impl FnOnce(&str) -> String) -> String {
     let changed = change(&text);
     assert_ne!(text, changed);
     fs::write(&path, changed).unwrap();
-    match read_subject(&path, None) {
+    match read_subject(&path, None, Vec::new()) {
         Ok(_) => panic!("it was read"),
         Err(errors) => errors.iter().map(ToString::to_string).collect(),
     }

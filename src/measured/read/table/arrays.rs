@@ -67,14 +67,13 @@ pub fn too_large(what: &str, numbers: impl std::fmt::Display) -> Problem {
 /// # Errors
 /// What is wrong with the log file.
 pub fn read(
-    path: &Path,
+    (path, name): (&Path, &str),
     mut opened: Opened,
     reader: Reader,
     wanted: &[Wanted],
     note: &mut dyn FnMut(Problem),
 ) -> Result<Option<(String, Vec<Rows>)>, InputError> {
-    let name = path.display().to_string();
-    let wrong = |problems: Vec<Problem>| InputError { source: Arc::new(Source::new(name.clone(), "")), problems };
+    let wrong = |problems: Vec<Problem>| InputError { source: Arc::new(Source::new(name, "")), problems };
     let cannot =
         |e: std::io::Error| wrong(vec![Problem::whole(format!("cannot read the file: {}", crate::words::reason(&e)))]);
     let hash = hash_of(&mut opened.file).map_err(cannot)?;
@@ -117,7 +116,7 @@ pub fn read(
             }
         }
         let record = |row| Record::Values { row, series: &loaded.series };
-        let mut log = Gather::new(wanted, &loaded.header, record(0), &name, &mut mistakes, note);
+        let mut log = Gather::new(wanted, &loaded.header, record(0), name, &mut mistakes, note);
         if let Some(log) = log.as_mut().filter(|_| mistakes.problems.is_empty()) {
             uses.resize(uses.len().max(loaded.rows), [false; 2]);
             for (row, used) in uses.iter_mut().enumerate().take(loaded.rows) {
@@ -139,16 +138,16 @@ pub fn read(
     }
     opened.unchanged(|file| Ok(hash_of(file)? == hash)).map_err(|p| wrong(vec![p]))?;
     if !mistakes.problems.is_empty() {
-        return Err(mistakes.into_error(&name));
+        return Err(mistakes.into_error(name));
     }
     let Some(logs) = logs.into_iter().collect::<Option<Vec<Gather>>>() else { return Ok(None) };
     let both = uses.iter().filter(|used| **used == [true; 2]).count();
     if both > 0 {
-        note(shared(wanted, both, &name));
+        note(shared(wanted, both, name));
         return Ok(None);
     }
     let finished = logs.into_iter().zip(latest).map(|(log, mut latest)| {
-        let mut rows = log.finish(&name, note)?;
+        let mut rows = log.finish(name, note)?;
         latest.append(&mut rows.remarks);
         Some(Rows { remarks: latest, ..rows })
     });

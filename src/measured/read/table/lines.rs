@@ -46,15 +46,13 @@ impl Hashing {
 /// # Errors
 /// What is wrong with the log file.
 pub fn read(
-    path: &Path,
+    (path, name): (&Path, &str),
     opened: Opened,
     wanted: &[Wanted],
     note: &mut dyn FnMut(Problem),
 ) -> Result<Option<(String, Vec<Rows>)>, InputError> {
-    let name = path.display().to_string();
     let mut mistakes = Mistakes::new(path);
-    let wrong =
-        |problem: Problem| InputError { source: Arc::new(Source::new(name.clone(), "")), problems: vec![problem] };
+    let wrong = |problem: Problem| InputError { source: Arc::new(Source::new(name, "")), problems: vec![problem] };
     let whole = |message: String| wrong(Problem::whole(message));
     let hashing = Hashing { opened, hash: Sha256::new(), count: 0 };
     let mut reader = csv::ReaderBuilder::new()
@@ -68,11 +66,11 @@ pub fn read(
     if !reader.read_byte_record(&mut record).map_err(failed)? {
         return Err(whole("the file is empty: it has no header row".into()));
     }
-    let Some(header) = read_header(&record, &mut mistakes) else { return Err(mistakes.into_error(&name)) };
+    let Some(header) = read_header(&record, &mut mistakes) else { return Err(mistakes.into_error(name)) };
     let logs: Vec<Option<Gather>> =
-        wanted.iter().map(|w| Gather::new(w, &header, Record::Line(&record), &name, &mut mistakes, note)).collect();
+        wanted.iter().map(|w| Gather::new(w, &header, Record::Line(&record), name, &mut mistakes, note)).collect();
     if !mistakes.problems.is_empty() {
-        return Err(mistakes.into_error(&name));
+        return Err(mistakes.into_error(name));
     }
     let Some(mut logs) = logs.into_iter().collect::<Option<Vec<Gather>>>() else { return Ok(None) };
 
@@ -113,14 +111,14 @@ pub fn read(
     if !mistakes.problems.is_empty() {
         // The mistakes may be those of two texts that were taken for one.
         reader.into_inner().opened.unchanged(|_| Ok(true)).map_err(wrong)?;
-        return Err(mistakes.into_error(&name));
+        return Err(mistakes.into_error(name));
     }
     if both > 0 {
-        note(shared(wanted, both, &name));
+        note(shared(wanted, both, name));
         return Ok(None);
     }
     let hash = reader.into_inner().finish().map_err(wrong)?;
-    let rows: Vec<Option<Rows>> = logs.into_iter().map(|log| log.finish(&name, note)).collect();
+    let rows: Vec<Option<Rows>> = logs.into_iter().map(|log| log.finish(name, note)).collect();
     Ok(rows.into_iter().collect::<Option<Vec<Rows>>>().map(|rows| (hash, rows)))
 }
 
