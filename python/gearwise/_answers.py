@@ -116,6 +116,18 @@ class Answer:
                 return content[name]
             raise AttributeError(f"{type(self).__name__} has no `{name}`; there are {', '.join(content)}")
 
+    def __reduce__(self) -> "tuple[object, ...]":
+        from gearwise._kept import state
+
+        return (type(self)._again, (state(self._of), self._call))
+
+    @classmethod
+    def _again(cls, state: "dict[str, Any]", *how: "Any") -> "Answer":
+        from gearwise._kept import Kept
+
+        of: "Any" = Kept(state)
+        return cls(of, *how)
+
     def __dir__(self) -> "list[str]":
         return sorted({*object.__dir__(self), *self.to_dict()})
 
@@ -191,6 +203,9 @@ class JointResult(Table):
             self._made = _native.Table(self._answer._of.csv()).only("joint", self.joint)
         return self._made
 
+    def __reduce__(self) -> "tuple[object, ...]":
+        return (JointResult, (self._answer, self._place, self.joint))
+
     @property
     def candidates(self) -> Designs:
         """Designs of which every limit that the requirement states could be judged and is kept, the best first."""
@@ -234,6 +249,21 @@ class Optimized(Answer):
         """Of a choice of the library, how it was asked for, and the catalogue that it was made from."""
         super().__init__(of, call)
         self._catalog = catalog
+
+    def __reduce__(self) -> "tuple[object, ...]":
+        from gearwise._kept import state
+
+        return (type(self)._again, (state(self._of), self._call, self._catalog))
+
+    def text(self, *, why: bool = False, rejected: bool = False, full: bool = False) -> str:
+        """What the command prints for people; `why`: what binds, what gears near N* cost, what was assumed, how sure it is;
+        `rejected`: why not the others; `full`: all of it."""
+        if not (why or rejected or full):
+            return self._of.text()
+        from gearwise._kept import needed
+
+        said: str = needed(self._of).text_of(why, rejected, full)
+        return said
 
     @property
     def joints(self) -> "Mapping[str, JointResult]":
@@ -353,6 +383,17 @@ class Evaluated:
     def __repr__(self) -> str:
         return f"<Evaluated: {len(self.motors)} motors at {len(self.ratio)} ratios>"
 
+    def __reduce__(self) -> "tuple[object, ...]":
+        names = [name for name, what in vars(Evaluated).items() if isinstance(what, property)]
+        return (Evaluated._again, ({name: getattr(self, name) for name in names},))
+
+    @staticmethod
+    def _again(arrays: "dict[str, Any]") -> "Evaluated":
+        from types import SimpleNamespace
+
+        of: "Any" = SimpleNamespace(**arrays)
+        return Evaluated(of)
+
 
 @final
 class ActuatorMap(Table):
@@ -362,11 +403,19 @@ class ActuatorMap(Table):
 
     __slots__ = ("_of", "_again")
 
-    def __init__(self, of: "_native.ActuatorMap", again: "Callable[[ArrayLike], _native.ActuatorMap]") -> None:
+    def __init__(self, of: "_native.ActuatorMap", again: "Callable[[ArrayLike | None], _native.ActuatorMap]") -> None:
         """Of arrays of the library; `again` makes them at speeds."""
         super().__init__()
         self._of = of
         self._again = again
+
+    def __reduce__(self) -> "tuple[object, ...]":
+        # It is made again in no time.
+        return (ActuatorMap._made_again, (self._again,))
+
+    @staticmethod
+    def _made_again(again: "Callable[[ArrayLike | None], _native.ActuatorMap]") -> "ActuatorMap":
+        return ActuatorMap(again(None), again)
 
     def _figure(self, name: str) -> "F":
         found = self._of.figure(name)

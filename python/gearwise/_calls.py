@@ -3,18 +3,19 @@
 Every function takes `catalog` (the built-in one by default). Where something long is worked out it takes `threads` (1 inside
 workers of joblib, Dask or Ray; by default all of the machine) and `progress` (True for a bar of tqdm, or a function of steps
 done and steps there are). The answer is the same for any number of threads. Ctrl-C and an exception of `progress` end a call
-within 60 ms. Mistakes raise InputError with all of them; a mistake of gearwise raises InternalError."""
+within a tenth of a second. Mistakes raise InputError with all of them; a mistake of gearwise raises InternalError."""
 
 from gearwise import _native
 from gearwise._answers import ActuatorMap, Answer, Evaluated, Optimized
 from gearwise._catalog import Catalog, builtin
 from gearwise._errors import InputError
+from gearwise._kept import needed
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
     from os import PathLike
-    from typing import Literal, TypeAlias
+    from typing import Any, Literal, TypeAlias
 
     from numpy.typing import ArrayLike
 
@@ -169,11 +170,23 @@ def actuator_map(
         {"name": "actuators", "bus": bus, "ambient": {"temperature": ambient}, "joint": [joint]}
     )
 
-    def made(speed: "ArrayLike | None") -> _native.ActuatorMap:
+    made = _Maps(robot, motors, ratios, catalog, threads)
+    return ActuatorMap(made(None), made)
+
+
+class _Maps:
+    """Maps of actuators at speeds, as often as they are asked for, in any process."""
+
+    def __init__(self, *how: "Any") -> None:
+        """Of a robot, motors, ratios, a catalogue and a number of threads."""
+        self.how = how
+
+    def __call__(self, speed: "ArrayLike | None") -> _native.ActuatorMap:
+        import numpy
+
+        robot, motors, ratios, catalog, threads = self.how
         speeds = None if speed is None else numpy.atleast_1d(numpy.asarray(speed, dtype=float))
         return _native.actuator_map(robot, motors, ratios, speeds, builtin(catalog), threads)
-
-    return ActuatorMap(made(None), made)
 
 
 def explain(
@@ -240,7 +253,7 @@ def check(
     file, or what `optimize` chose, at the ratios that it found."""
     if isinstance(design, Optimized):
         native = builtin(design._catalog if catalog is None else catalog)
-        answer = _native.check(design._of, rules, strict, native)
+        answer = _native.check(needed(design._of), rules, strict, native)
         return Answer(answer, f"gearwise.check({design._call})")
     if isinstance(design, Answer):
         raise InputError._said("only what `optimize` chose is checked")
@@ -254,11 +267,22 @@ def _handed(logs: "Logs", folder: str) -> "list[tuple[str, str]]":
 
     import numpy
 
-    files = []
+    files: "list[tuple[str, str]]" = []
+    if not hasattr(logs or {}, "items"):
+        raise InputError._said("`logs` is no mapping of files to their columns")
     for place, (name, columns) in enumerate((logs or {}).items()):
+        if not hasattr(columns, "items"):
+            raise InputError._said(f"`logs`: `{name}` is no mapping of columns to arrays")
+        if not columns:
+            raise InputError._said(f"`logs`: `{name}` has no columns")
         arrays = {}
         for column, values in columns.items():
             array = numpy.asarray(values)
+            # What is masked is missing.
+            if numpy.ma.isMaskedArray(values):
+                array = numpy.ma.filled(values.astype(float), numpy.nan)
+            if "\0" in str(column) or not str(column).isprintable():
+                raise InputError._said(f"`logs`: `{name}` has a column whose name cannot be printed")
             if array.ndim != 1 or array.dtype.kind not in "biufUS":
                 raise InputError._said(f"`logs`: column `{column}` of `{name}` is no list of numbers or texts")
             arrays[column] = array
@@ -331,52 +355,87 @@ def study(
     one part of so many, for many machines, each with its own `out`; `merge` puts them together, to the same bytes."""
     if resume and force:
         raise InputError._said("`resume` goes on and `force` starts again: give one of the two")
-    paths = _paths(requirement)
-    if paths is None and shard != (1, 1):
-        raise InputError._said("every shard names the requirement by its file: write one with `save`, and give its path")
+    shard = _shard(shard)
+    paths, changes = _paths(requirement)
+    made = None
     if paths is None:
-        paths = [_own(requirement, out, force)]
+        if shard != (1, 1):
+            raise InputError._said("every shard names the requirement by its file: write one with `save`, and give its path")
+        paths, made = _own(requirement, out)
     native = None if catalog is None else catalog._catalog
     existing = "resume" if resume else "force" if force else ""
-    answer = _native.study(
-        paths, grid, out, top, only_checked, shard, existing, native, threads, _bar(progress)
-    )
+    try:
+        answer = _native.study(
+            paths, changes, grid, out, top, only_checked, shard, existing, native, threads, _bar(progress)
+        )
+    except InputError:
+        # What nobody works on is not left behind.
+        if made is not None:
+            import shutil
+
+            shutil.rmtree(made, ignore_errors=True)
+        raise
     return Answer(answer, f"gearwise.study({_said(requirement)}, out={out})")
 
 
-def _paths(requirement: object) -> "list[Path] | None":
-    """Files, folders and patterns; None for a requirement that Python made."""
+def _shard(shard: "Any") -> "tuple[int, int]":
+    import operator
+
+    try:
+        number, of = tuple(shard)
+        return operator.index(number), operator.index(of)
+    except (TypeError, ValueError):
+        raise InputError._said(f"`shard` is {shard!r}: expected two whole numbers, as in (2, 8)") from None
+
+
+def _paths(requirement: "Any") -> "tuple[list[Path] | None, list[tuple[str, str]]]":
+    """Files, folders and patterns, and what was changed in them; None for a requirement that Python made."""
     if isinstance(requirement, _native.Requirement):
-        return None if requirement._path is None else [requirement._path]
+        file = requirement._file()
+        return (None, []) if file is None else ([file[0]], file[1])
     if isinstance(requirement, (list, tuple)):
-        return list(requirement)
+        for each in requirement:
+            if not (isinstance(each, str) or hasattr(each, "__fspath__")):
+                raise InputError._said(
+                    "a study of several requirements takes their files: write each with `save`, and give the paths"
+                )
+        return list(requirement), []
     if isinstance(requirement, str) or hasattr(requirement, "__fspath__"):
-        return [requirement]
-    return None
+        return [requirement], []
+    return None, []
 
 
-def _own(requirement: object, out: "Path", force: bool) -> "Path":
-    """The file of a requirement in the folder of its study; what is there already is not overwritten by another."""
+def _own(requirement: object, out: "Path") -> "tuple[list[Path], Path | None]":
+    """The file of a requirement in the folder of its study, and the folder that was made for it. It is named by what is in it, so
+    that no other takes its place."""
+    import hashlib
     import pathlib
     import tempfile
 
     made = _native.Requirement(requirement)
-    folder = pathlib.Path(out) / "requirement"
     with tempfile.TemporaryDirectory() as new:
         files = [pathlib.Path(path) for path in made.save(f"{new}/robot.toml")]
         texts = {file.name: file.read_bytes() for file in files}
-    there = {name: (folder / name).read_bytes() for name in texts if (folder / name).exists()}
-    if there and there != texts and not force:
-        raise InputError._said(f"`{out}` has a study of another requirement; force=True starts again")
-    folder.mkdir(parents=True, exist_ok=True)
-    for name, text in texts.items():
-        (folder / name).write_bytes(text)
-    return folder / "robot.toml"
+    digest = hashlib.sha256(b"\0".join(text for _, text in sorted(texts.items()))).hexdigest()
+    folder = pathlib.Path(out) / f"requirement-{digest[:8]}"
+    if folder.exists():
+        return [folder / "robot.toml"], None
+    try:
+        folder.mkdir(parents=True)
+        for name, text in texts.items():
+            (folder / name).write_bytes(text)
+    except OSError as why:
+        raise InputError._said(f"`out`: cannot write `{folder}`: {why.strerror}") from None
+    return [folder / "robot.toml"], folder
 
 
 def merge(out: "Path", shards: "Sequence[Path]", *, force: bool = False) -> Answer:
     """All shards of a study, in their folders, as one study in the folder `out`; `force` replaces results that are there."""
-    return Answer(_native.merge(out, list(shards), force), f"gearwise.merge({out})")
+    one: "Any" = shards
+    folders: "list[Path]" = [one] if isinstance(one, str) or hasattr(one, "__fspath__") else list(shards)
+    if not folders:
+        raise InputError._said("there are no shards to merge: give the folders of all of them")
+    return Answer(_native.merge(out, folders, force), f"gearwise.merge({out})")
 
 
 def export(
@@ -414,7 +473,7 @@ def export(
     native = None if catalog is None else catalog._catalog
     names = [f"{name}={pattern}" for name, pattern in (joint_map or {}).items()]
     given = [name for name, is_given in options.items() if is_given]
-    of = design._of if isinstance(design, Optimized) else design
+    of = needed(design._of) if isinstance(design, Optimized) else design
     if isinstance(design, Answer) and not isinstance(design, Optimized):
         raise InputError._said("only what `optimize` chose is exported")
     text, remarks, _ = _native.export(of, requirement, to, into, joints, names, given, draws, native)

@@ -88,15 +88,20 @@ class Catalog(Table):
         return f"<Catalog of {len(self)} motors>"
 
 
-def _csv(frame: object, name: str) -> str:
+def _csv(frame: "Any", name: str) -> str:
     """A frame as CSV."""
     import csv
     import io
 
     columns: "dict[str, Any]"
-    if hasattr(frame, "to_dict") and hasattr(frame, "columns"):
-        columns = {str(column): list(frame[column]) for column in frame.columns}  # type: ignore[index]
+    if hasattr(frame, "to_pydict"):
+        columns = {str(column): list(cells) for column, cells in frame.to_pydict().items()}
+    elif hasattr(frame, "to_dict") and hasattr(frame, "columns"):
+        columns = {str(column): list(frame[column]) for column in frame.columns}
     elif hasattr(frame, "items"):
+        for column, cells in frame.items():
+            if isinstance(cells, str) or not hasattr(cells, "__iter__"):
+                raise InputError._said(f"`{name}`: column `{column}` is no list of values")
         columns = {str(column): list(cells) for column, cells in frame.items()}
     else:
         raise InputError._said(f"`{name}` is no frame: expected pandas, polars or a mapping of columns")
@@ -109,7 +114,8 @@ def _csv(frame: object, name: str) -> str:
     writer.writerow(columns)
 
     def cell(value: object) -> str:
-        if value is None or value != value:
+        # pandas has a value of its own for what is missing, which is neither equal nor unequal to itself.
+        if value is None or type(value).__name__ == "NAType" or value != value:
             return ""
         return repr(float(value)) if isinstance(value, float) else str(value)
 

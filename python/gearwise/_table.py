@@ -27,12 +27,18 @@ class Words:
             value = getattr(self, name)
             if value is None:
                 continue
-            if name == "ratio" and isinstance(value, tuple):
-                if len(value) != 2:
+            if name == "ratio" and not hasattr(value, "items"):
+                if not isinstance(value, tuple) or len(value) != 2:
                     from gearwise._errors import InputError
 
-                    raise InputError._said(f"`ratio` has {len(value)} entries: expected (least, most)")
+                    raise InputError._said(
+                        f'`ratio` is {value!r}: expected (least, most), or a mapping as {{"values": [5, 7.5, 10]}}'
+                    )
                 value = {"min": value[0], "max": value[1]}
+            if name == "bus" and not (hasattr(value, "items") or isinstance(value, Words)):
+                from gearwise._errors import InputError
+
+                raise InputError._said(f"`bus` is {value!r}: expected a Bus, as Bus({value!r}), or a mapping")
             if name == "ambient" and not isinstance(value, dict):
                 value = {"temperature": value}
             table[self._keys.get(name, name)] = value
@@ -83,7 +89,12 @@ class Record:
                 return tuple(value) if pair else value
             if name in type(self).__annotations__:
                 return None
-            raise AttributeError(f"{type(self).__name__} has no `{name}`")
+            if name.startswith("_"):
+                raise AttributeError(name)
+            # The usual mistake is the unit that is left out.
+            near = [known for known in dir(type(self)) + list(values) if known.startswith(f"{name}_")]
+            hint = f": did you mean {' or '.join(f'`{known}`' for known in sorted(set(near))[:3])}?" if near else ""
+            raise AttributeError(f"{type(self).__name__} has no `{name}`{hint}")
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"{type(self).__name__} is immutable")

@@ -86,6 +86,12 @@ impl Answer {
         here(py, || Ok(self.answer.text()))
     }
 
+    /// The text with more of it: what binds, why not the others, all of it. Of a choice.
+    fn text_of(&self, py: Python<'_>, why: bool, rejected: bool, full: bool) -> PyResult<String> {
+        let Some(chosen) = &self.choice else { return self.text(py) };
+        here(py, || Ok(chosen.found.text_with(why, rejected, full)))
+    }
+
     fn html(&self, py: Python<'_>, call: &str) -> PyResult<String> {
         here(py, || Ok(html::text(&self.answer.whole_page(call))))
     }

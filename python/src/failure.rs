@@ -24,10 +24,24 @@ fn make(py: Python<'_>, why: Failure) -> PyResult<PyErr> {
             }
             errors.getattr("InputError")?.call_method1("_of", (problems, text.trim_end()))?
         }
-        Failure::Argument(message) => errors.getattr("InputError")?.call_method1("_said", (message,))?,
+        Failure::Argument(message) => errors.getattr("InputError")?.call_method1("_said", (in_python(&message),))?,
         Failure::Interrupted(message) => errors.getattr("GearwiseError")?.call1((message,))?,
     };
     Ok(PyErr::from_value(made))
+}
+
+/// What a message calls an option of the command, as the parameter that Python has for it.
+fn in_python(message: &str) -> String {
+    const SWITCHES: [&str; 4] = ["resume", "force", "robot", "only-checked"];
+    let mut parts = message.split("`--");
+    let mut text = parts.next().unwrap_or_default().to_string();
+    for part in parts {
+        let end = part.find(|c: char| !(c.is_ascii_lowercase() || c == '-')).unwrap_or(part.len());
+        let (option, rest) = part.split_at(end);
+        let value = if SWITCHES.contains(&option) { "=True" } else { "" };
+        text.push_str(&format!("`{}{value}{rest}", option.replace('-', "_")));
+    }
+    text
 }
 
 fn of_problem<'py>(

@@ -102,7 +102,8 @@ impl Motion {
         }
         let array = PyArray1::from_slice(py, values);
         array.call_method("setflags", (), Some(&[("write", false)].into_py_dict(py)?))?;
-        let array = array.into_any().unbind();
+        // A view of what may not be written cannot be made writable.
+        let array = array.call_method0("view")?.unbind();
         Ok(self.arrays[place].get_or_init(|| array).clone_ref(py))
     }
 }
@@ -134,6 +135,10 @@ pub fn numbers(py: Python<'_>, name: &str, value: &Bound<PyAny>) -> PyResult<Vec
     let kind: String = given.getattr("dtype")?.getattr("kind")?.extract()?;
     if !"biuf".contains(&kind) && kind != "O" {
         return Err(refused("is no array of numbers".into()));
+    }
+    let masked = value.getattr("mask").and_then(|mask| mask.call_method0("any")).and_then(|any| any.is_truthy());
+    if masked.unwrap_or(false) {
+        return Err(refused("has masked entries: leave those samples out".into()));
     }
     let array = numpy
         .call_method("ascontiguousarray", (given,), Some(&options))

@@ -31,6 +31,9 @@ pub struct Requirement {
     robot: Arc<Robot>,
 }
 
+/// The name of a file, and what is changed in it.
+type Changed = (String, Vec<(String, String)>);
+
 /// Motions that are handed over, and files beside the requirement.
 struct Store(HashMap<String, Arc<motion::Motion>>);
 
@@ -203,8 +206,13 @@ impl Requirement {
                 Written::Points(points) => Kept::Points(points),
                 Written::File(text, periodic, period) => {
                     let clean = |c: char| if c.is_alphanumeric() || "-_".contains(c) { c } else { '_' };
-                    let own: String = format!("{stem}-{who}").chars().map(clean).collect();
-                    let free = |name: &String| files.iter().all(|(path, _)| *path != folder.join(name));
+                    // Long names are cut, and case tells no files apart on some disks.
+                    let own: String = format!("{stem}-{who}").chars().map(clean).take(60).collect();
+                    let is = |path: &Path, name: &str| {
+                        path.file_name()
+                            .is_some_and(|known| known.to_string_lossy().to_lowercase() == name.to_lowercase())
+                    };
+                    let free = |name: &String| files.iter().all(|(path, _)| !is(path, name));
                     let names = (1..).map(|n| if n == 1 { format!("{own}.csv") } else { format!("{own}-{n}.csv") });
                     let name = names.into_iter().find(free).unwrap_or_default();
                     files.push((folder.join(&name), text));
@@ -218,12 +226,24 @@ impl Requirement {
         Ok(files.into_iter().map(|(path, _)| path).collect())
     }
 
-    /// The file that it was read from, as it is; None where Python made or changed something.
-    #[getter]
-    #[pyo3(name = "_path")]
-    fn path(&self) -> Option<&str> {
-        let is_file = !self.source.is_of_values() && self.changes.is_empty() && self.motions.is_empty();
-        is_file.then(|| self.source.name())
+    /// The file that it was read from, with the changes made since; None where Python made something of it. Refused where the
+    /// file, or one that it names, is another by now.
+    #[pyo3(name = "_file")]
+    fn file(&self, py: Python<'_>) -> PyResult<Option<Changed>> {
+        if self.source.is_of_values() || !self.motions.is_empty() {
+            return Ok(None);
+        }
+        here(py, || {
+            let own = [self.source.file()];
+            for file in own.iter().chain(&self.robot.files()) {
+                let now = Source::read(Path::new(&file.name)).map_err(|error| vec![error])?;
+                if now.sha256() != file.sha256 {
+                    let why = format!("`{}` has changed since the requirement was read: read it again", file.name);
+                    return Err(Failure::Argument(why));
+                }
+            }
+            Ok(Some((self.source.name().to_string(), self.changes.clone())))
+        })
     }
 
     #[getter]

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use gearwise::ask::{Failure, Rows};
 use gearwise::catalog;
+use gearwise::requirement;
 use gearwise::study::answer::{Finished, Part};
 use gearwise::study::asked::{Asked, hashed, some};
 use gearwise::study::file::grid_of_values;
@@ -29,11 +30,12 @@ enum Done {
 pub fn study<'py>(
     py: Python<'py>,
     paths: Vec<PathBuf>,
+    changes: Vec<(String, String)>,
     grid: Option<Bound<'py, PyAny>>,
     out: PathBuf,
-    top: Option<u32>,
+    top: Option<i64>,
     only_checked: bool,
-    shard: (u64, u64),
+    shard: (i64, i64),
     existing: &str,
     catalog: Option<Bound<'py, Catalog>>,
     threads: Option<i64>,
@@ -41,9 +43,15 @@ pub fn study<'py>(
 ) -> PyResult<Answer> {
     let shard =
         Shard::parse(&format!("{}/{}", shard.0, shard.1)).map_err(|why| wrong(py, format!("`shard`: {why}")))?;
-    if top == Some(0) {
-        return Err(wrong(py, "`top` is 0: expected a number from 1 on, or None for all"));
-    }
+    let top = match top.map(|top| u32::try_from(top).ok().filter(|top| *top > 0).ok_or(top)) {
+        Some(Err(top)) => {
+            return Err(wrong(py, format!("`top` is {top}: expected a number from 1 on, or None for all")));
+        }
+        Some(Ok(top)) => Some(top),
+        None => None,
+    };
+    let values = changes.iter().map(|(key, value)| (key.as_str(), value.clone()));
+    let changes = requirement::Settings::of_values("the changes", values).map_err(|why| wrong(py, why))?;
     let existing = match existing {
         "resume" => Existing::Resume,
         "force" => Existing::Replace,
@@ -66,6 +74,7 @@ pub fn study<'py>(
         if let Some(text) = grid {
             asked = asked.with_grid(grid_of_values(text).map_err(|error| vec![error])?)?;
         }
+        asked = asked.set(&changes)?;
         let named = asked.catalog(Vec::new())?;
         if given.is_some() && !named.is_empty() {
             return Err(Failure::Argument("the study file names its catalogue: leave `catalog` out".into()));
@@ -119,9 +128,16 @@ fn written(py: Python<'_>, grid: &Bound<'_, PyAny>) -> PyResult<String> {
     for item in items.items()?.iter() {
         let (key, values): (Bound<PyAny>, Bound<PyAny>) = item.extract()?;
         let key: String = key.extract().map_err(|_| wrong(py, "a key of `grid` is no text"))?;
-        let Some(values) = Writer::new(py).value(&values, &key, 0)? else {
+        let mut writer = Writer::new(py);
+        let Some(values) = writer.value(&values, &key, 0)? else {
             return Err(wrong(py, format!("`grid`: `{key}` is None: expected a list of values")));
         };
+        if !writer.motions.is_empty() {
+            let why = format!(
+                "`grid`: `{key}` has motions, which a study takes from files: save a requirement with each, and give the paths"
+            );
+            return Err(wrong(py, why));
+        }
         text.push_str(&format!("{} = {values}\n", toml::Value::String(key)));
     }
     Ok(text)

@@ -153,6 +153,38 @@ def test_motions_come_back_from_a_pickle_as_they_are(tmp_path: pathlib.Path) -> 
         assert gw.optimize(copy).to_dict()["joints"] == gw.optimize(robot).to_dict()["joints"]
 
 
+def test_answers_go_into_other_processes() -> None:
+    from concurrent.futures import ProcessPoolExecutor
+    from multiprocessing import get_context
+
+    asked = gw.Requirement(leg())
+    here = gw.optimize(asked)
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+        there = pool.submit(gw.optimize, asked, threads=1).result()
+    assert there.to_json() == here.to_json() and there.satisfied and there.text() == here.text()
+    assert there["knee"].best == here["knee"].best and there["knee"].best.ratio == here["knee"].best.ratio
+    assert len(there["knee"].candidates) == len(here["knee"].candidates) and there.warnings == here.warnings
+    assert len(there["knee"]) == len(here["knee"]) and there.to_dict() == here.to_dict()
+    for use in (there.html, lambda: there.figure().png(), lambda: gw.export(there, "json"), lambda: gw.check(there), lambda: there.text(why=True)):
+        with pytest.raises(gw.InputError, match="came from another process"):
+            use()
+    again = pickle.loads(pickle.dumps(pickle.loads(pickle.dumps(there))))
+    assert again.to_json() == here.to_json()
+    nothing = pickle.loads(pickle.dumps(gw.optimize(leg(1e4))))
+    with pytest.raises(gw.NoDesign, match="nearest"):
+        nothing["knee"].best
+    at = gw.evaluate(asked, None, [9.0, 12.0])
+    copy = pickle.loads(pickle.dumps(at))
+    for name in ("loss_w", "margin", "sample", "feasible", "judged", "ratio"):
+        np.testing.assert_array_equal(getattr(copy, name), getattr(at, name))
+    assert copy.motors == at.motors and copy.limits == at.limits and copy.unusable == at.unusable
+    able = gw.actuator_map(["t-motor-ri50"], [9.0], bus=gw.Bus("24 V"))
+    map_copy = pickle.loads(pickle.dumps(able))
+    np.testing.assert_array_equal(map_copy.peak_torque_nm, able.peak_torque_nm)
+    np.testing.assert_array_equal(map_copy.envelope([0.0, 5.0])[0], able.envelope([0.0, 5.0])[0])
+    assert "reported" not in here.text(why=True) and len(here.text(why=True)) > len(here.text())
+
+
 def test_logs_of_arrays_are_those_of_files(tmp_path: pathlib.Path) -> None:
     bench = ROOT / "requirements/bench/leg_actuator.toml"
     logs = logs_of(bench.parent, "leg_actuator_*.csv")
@@ -172,8 +204,34 @@ def test_logs_of_arrays_are_those_of_files(tmp_path: pathlib.Path) -> None:
     with pytest.raises(gw.InputError, match="leg_actuator_1.csv") as caught:
         gw.identify(alone, logs=bad)
     assert "/tmp" not in str(caught.value).replace(str(tmp_path), "")
-    with pytest.raises(gw.InputError, match="no list of numbers"):
-        gw.identify(alone, logs={"leg_actuator_1.csv": {"t": [[1.0, 2.0]]}})
+    for wrong, said in [
+        ({"leg_actuator_1.csv": {"t": [[1.0, 2.0]]}}, "no list of numbers"),
+        ({"leg_actuator_1.csv": {}}, "has no columns"),
+        ({"leg_actuator_1.csv": [1, 2]}, "no mapping of columns"),
+        ([1], "no mapping of files"),
+        ({"leg_actuator_1.csv": {"\ud800": [1.0]}}, "cannot be printed"),
+    ]:
+        with pytest.raises(gw.InputError, match=said):
+            gw.identify(alone, logs=wrong)  # type: ignore[arg-type]
+    # What is masked is missing.
+    masked = {file: dict(columns) for file, columns in logs.items()}
+    holes = {file: dict(columns) for file, columns in logs.items()}
+    for name, values in logs["leg_actuator_1.csv"].items():
+        if "cur" in name or "i" in name.split("_"):
+            gone = np.arange(len(values)) % 37 == 5
+            masked["leg_actuator_1.csv"][name] = np.ma.masked_array(np.where(gone, -999.0, values), mask=gone)
+            holes["leg_actuator_1.csv"][name] = np.where(gone, np.nan, values)
+            break
+    assert gw.identify(alone, logs=masked).to_dict()["rows"] == gw.identify(alone, logs=holes).to_dict()["rows"]
+
+
+def test_nothing_is_learnt_from_nothing(tmp_path: pathlib.Path) -> None:
+    bench = ROOT / "requirements/bench/leg_actuator.toml"
+    logs = logs_of(bench.parent, "leg_actuator_*.csv")
+    still = {file: {name: v if name.startswith("t") else np.full(len(v), 1.0) for name, v in c.items()} for file, c in logs.items()}
+    found = gw.identify(bench, logs=still)
+    assert "Nothing can be learnt" in found.text() and not found.satisfied
+    assert gw.identify(bench).satisfied
 
 
 def test_rows_of_arrays_are_those_of_files(tmp_path: pathlib.Path) -> None:
@@ -246,9 +304,13 @@ def test_a_study_of_words_over_a_grid(tmp_path: pathlib.Path) -> None:
         changes = {"bus.voltage": str(voltage) if "V" in str(voltage) else float(voltage), "scale.torque": float(scale), "joint.knee.limits.safety": float(safety)}
         best = gw.optimize(gw.Requirement(leg(objective="loss")).replace(changes), only_top=1)["knee"].best
         assert best.motor == rows["motor"][row] and best.ratio == pytest.approx(float(rows["ratio"][row]), rel=1e-9)
-    # Another requirement does not take its place unasked.
-    with pytest.raises(gw.InputError, match="another requirement"):
+    # Another requirement does not take its place unasked, and is not left behind.
+    before = sorted((tmp_path / "out").iterdir())
+    with pytest.raises(gw.InputError, match="another"):
         gw.study(leg(2.0), out=tmp_path / "out", resume=True)
+    with pytest.raises(gw.InputError, match="results already"):
+        gw.study(leg(2.0), out=tmp_path / "out")
+    assert sorted((tmp_path / "out").iterdir()) == before
     gw.study(leg(2.0), out=tmp_path / "out", force=True)
     for grid, said in [
         ({"bus.voltag": [48.0]}, "voltag"),
@@ -256,10 +318,37 @@ def test_a_study_of_words_over_a_grid(tmp_path: pathlib.Path) -> None:
         ({"bus.voltage": []}, "empty"),
         ({"scale.torqe": [1.0]}, "torqe"),
         ({"bus.voltage": ["fast"]}, "fast"),
+        ({"joint.knee.motion": [gw.Motion.points([1.0], [0.0])]}, "has motions"),
+        ({"bus.voltage": None}, "None"),
     ]:
         with pytest.raises(gw.InputError, match=said):
             gw.study(leg(), grid, out=tmp_path / "wrong")  # type: ignore[arg-type]
+    # A mistake leaves nothing that a corrected call would stumble over.
+    assert gw.study(leg(2.0), {"bus.voltage": [48.0]}, out=tmp_path / "wrong").satisfied
+    for shard in ((0, 3), (4, 3), (-1, 3), ("1", "3"), (1.5, 3), (1, 3, 2), 2):
+        with pytest.raises(gw.InputError, match="shard"):
+            gw.study(SHIPPED[0], out=tmp_path / "wrong", shard=shard)  # type: ignore[arg-type]
+    for top in (0, -1):
+        with pytest.raises(gw.InputError, match="`top`"):
+            gw.study(SHIPPED[0], out=tmp_path / "wrong", top=top)
+    (tmp_path / "afile").write_text("")
+    with pytest.raises(gw.InputError, match="cannot write"):
+        gw.study(leg(), out=tmp_path / "afile/x")
+    with pytest.raises(gw.InputError, match="no shards"):
+        gw.merge(tmp_path / "merged", [])
 
+
+def test_a_study_of_a_file_is_of_what_was_read(tmp_path: pathlib.Path) -> None:
+    gw.Requirement(leg(objective="loss")).save(tmp_path / "leg.toml")
+    read = gw.Requirement(tmp_path / "leg.toml")
+    changed = read.replace({"bus.voltage": 30, "joint.knee.limits.safety": 1.3})
+    rows = gw.study(changed, {"scale.torque": [0.5, 1.0]}, out=tmp_path / "out", top=1).table().columns()
+    for scale, motor, ratio in zip(rows["grid_scale_torque"], rows["motor"], rows["ratio"], strict=True):
+        best = gw.optimize(changed.replace({"scale.torque": float(scale)}), only_top=1)["knee"].best
+        assert best.motor == motor and best.ratio == pytest.approx(float(ratio), rel=1e-9)
+    gw.Requirement(leg(2.0)).save(tmp_path / "leg.toml")
+    with pytest.raises(gw.InputError, match="has changed since"):
+        gw.study(read, out=tmp_path / "again")
 
 def test_a_study_that_is_stopped_goes_on(tmp_path: pathlib.Path) -> None:
     class Enough(Exception):

@@ -176,3 +176,21 @@ def test_no_frame_gives_anything_but_a_catalogue_or_an_error(columns: dict[str, 
         gw.Catalog.from_frame(columns)
     except gw.GearwiseError as error:
         assert not isinstance(error, gw.InternalError)
+
+
+def test_words_that_are_of_another_kind_say_what_is_meant() -> None:
+    points = [{"torque": 1.0, "speed": 1.0}]
+    for ratio in ([3, 30], 9, (1, 2, 3), "9"):
+        with pytest.raises(gw.InputError, match="expected \\(least, most\\)"):
+            gw.Requirement(gw.Robot("r", gw.Bus(48), [gw.Joint("k", points=points, ratio=ratio)]))  # type: ignore[arg-type]
+    with pytest.raises(gw.InputError, match="expected a Bus"):
+        gw.Requirement(gw.Robot("r", "48 V", [gw.Joint("k", points=points, ratio=(3, 30))]))  # type: ignore[arg-type]
+    two = gw.Robot("r", gw.Bus(48), [gw.Joint(name, points=points, ratio=(3, 30), objective="loss") for name in "ab"])
+    with pytest.raises(gw.InputError) as caught:
+        gw.evaluate(two, None, [9.0])
+    assert "--" not in str(caught.value) and "joint" in str(caught.value)
+    with pytest.raises(gw.InputError, match="`instant`"):
+        gw.evaluate(two, None, [9.0], joint="a", limits="instants")
+    best = gw.optimize(two, only_top=1)["a"].best
+    with pytest.raises(AttributeError, match="`loss_w`"):
+        getattr(best, "loss")

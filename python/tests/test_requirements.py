@@ -81,6 +81,8 @@ def test_rollouts(tmp_path: pathlib.Path) -> None:
     torque = np.stack([np.stack([load, 0 * t], -1)] * episodes) + 0.02 * acceleration + 0.3 * speed
     done = np.zeros((episodes, steps), bool)
     done[1, 99] = True
+    for array in (torque, speed, acceleration):
+        array[1, 100:] = 0.0
     arrays: dict[str, typing.Any] = {"dt": 0.002, "torque": torque, "velocity": speed, "acceleration": acceleration, "done": done, "names": np.array(["hip", "knee"])}
     made = gw.rollouts(arrays, "hip", armature=0.02, damping="0.3 N*m*s/rad")
     assert len(made) == 400 + 100 + 400
@@ -115,6 +117,94 @@ def test_rollouts(tmp_path: pathlib.Path) -> None:
     assert any("many episodes" in str(said) for said in one["k"].best.assumed)
 
 
+def test_axes_of_rollouts_are_what_they_are(tmp_path: pathlib.Path) -> None:
+    episodes, steps, dt = 8, 1000, 0.002
+    time = dt * np.arange(steps)
+    sizes = np.linspace(0.5, 1.2, episodes)[:, None]
+    torque, velocity = 10 * sizes * np.sin(4 * np.pi * time), 6 * sizes * np.cos(4 * np.pi * time)
+    each = gw.rollouts([{"dt": dt, "torque": torque[k], "velocity": velocity[k]} for k in range(episodes)])
+    assert len(each) == episodes * steps
+    both: dict[str, typing.Any] = {"torque": torque, "velocity": velocity}
+    assert gw.rollouts({"dt": dt, **both}) == each
+    assert gw.rollouts({"time": time, **both}) == each
+    assert gw.rollouts({"dt": dt, **both, "done": np.arange(steps) == steps - 1}) == each
+    np.savez(tmp_path / "dt.npz", dt=dt, **both)
+    assert gw.rollouts(tmp_path / "dt.npz") == each
+    # Over step and joint, named or with a time that has the steps.
+    hip = gw.rollouts([{"dt": dt, "torque": torque[2], "velocity": velocity[2]}])
+    turned = {"torque": torque.T, "velocity": velocity.T}
+    assert gw.rollouts({"dt": dt, **turned, "names": list("abcdefgh")}, "c") == hip
+    assert gw.rollouts({"time": time, **turned}, 2) == hip
+    # What could be both is refused.
+    for arrays in (turned, {"torque": torque[:, :60], "velocity": velocity[:, :60]}):
+        with pytest.raises(gw.InputError, match="episodes and steps, or steps and joints"):
+            gw.rollouts({"dt": dt, **arrays})
+    # Noise anywhere is seen.
+    bad = torque.copy()
+    bad[3, 700] = np.nan
+    with pytest.raises(gw.InputError, match="episode 3"):
+        gw.rollouts({"dt": dt, "torque": bad, "velocity": velocity})
+
+
+def test_masks_and_odd_values_are_not_data(tmp_path: pathlib.Path) -> None:
+    time = np.linspace(0.0, 0.5, 51)
+    torque, velocity = 10 * np.sin(4 * np.pi * time), 8 * np.cos(4 * np.pi * time)
+    bad = np.ma.masked_array(np.where(np.arange(51) == 20, 60.0, torque), mask=np.arange(51) == 20)
+    with pytest.raises(gw.InputError, match="masked"):
+        gw.Motion(time, bad, velocity)
+    with pytest.raises(gw.InputError, match="masked"):
+        gw.rollouts([{"time": time, "torque": bad, "velocity": velocity}])
+    assert len(gw.Motion(time, np.ma.masked_array(torque, mask=False), velocity)) > 0
+    motion = gw.Motion(time, torque, velocity)
+    with pytest.raises(ValueError, match="WRITEABLE"):
+        motion.torque.flags.writeable = True
+    good: dict[str, typing.Any] = {"dt": 0.01, "torque": torque, "velocity": velocity}
+    both: dict[str, typing.Any] = {"dt": 0.01, "torque": np.stack([torque, torque], -1), "velocity": np.stack([velocity, velocity], -1)}
+    wrong: list[tuple[object, object, str]] = [
+        ([{**good, "dt": "a"}], 0, "`dt` is no array of numbers"),
+        ([{**good, "torque": 3.0}], 0, "one number"),
+        ({"dt": 0.01, "torque": 3.0, "velocity": 3.0}, 0, "one number"),
+        ([good], 7, "no axis of joints"),
+        ([{**both, "names": ["a", "b", "c"]}], 0, "`names` has 3 joints"),
+        ([{**both, "names": ["a", "a"]}], "a", "twice"),
+        ([good], 1.5, "neither a name nor a place"),
+    ]
+    for episodes, joint, said in wrong:
+        with pytest.raises(gw.InputError, match=said):
+            gw.rollouts(episodes, joint)  # type: ignore[arg-type]
+    assert gw.rollouts([both], typing.cast(int, np.int64(1))) == gw.rollouts([good])
+    (tmp_path / "noise.parquet").write_bytes(b"PAR1 noise")
+    with pytest.raises(gw.InputError, match="cannot be read as a Parquet"):
+        gw.rollouts(tmp_path / "noise.parquet")
+
+
+def test_a_power_of_the_bus_is_a_number(tmp_path: pathlib.Path) -> None:
+    robot = leg()
+    asked = gw.Requirement(robot).replace({"bus.regeneration": 200})
+    assert 'regeneration = "200 W"' in asked.to_toml()
+    assert asked.to_toml() == gw.Requirement(robot).replace({"bus.regeneration": "200 W"}).to_toml()
+    with pytest.raises(gw.InputError, match="regeneration"):
+        gw.Requirement(robot).replace({"bus.regeneration": -1})
+
+
+def test_a_stream_that_is_reset_is_several_episodes() -> None:
+    time = 0.002 * np.arange(1000)
+    torque, velocity = np.sin(20 * time), np.cos(20 * time)
+    done = np.isin(np.arange(1000), [99, 499, 999])
+    stream = gw.rollouts({"dt": 0.002, "torque": torque, "velocity": velocity, "done": done})
+    parts = [slice(0, 100), slice(100, 500), slice(500, 1000)]
+    each = gw.rollouts([{"dt": 0.002, "torque": torque[p], "velocity": velocity[p]} for p in parts])
+    for of_stream, of_parts in ((stream.torque, each.torque), (stream.weight, each.weight)):
+        np.testing.assert_allclose(of_stream, of_parts, rtol=1e-12)
+    np.testing.assert_allclose(stream.acceleration, each.acceleration, rtol=1e-6, atol=1e-6)
+    # Done for good: what is behind it is padding.
+    padded = gw.rollouts({"dt": 0.002, "torque": torque, "velocity": velocity, "done": np.arange(1000) >= 99})
+    assert len(padded) == 100
+    with pytest.warns(UserWarning, match="2 of 1000 steps"):
+        short = np.isin(np.arange(1000), [997, 998])
+        assert len(gw.rollouts({"dt": 0.002, "torque": torque, "velocity": velocity, "done": short})) == 998
+
+
 def test_wrong_rollouts(tmp_path: pathlib.Path) -> None:
     good: dict[str, typing.Any] = {"dt": 0.01, "torque": np.ones(20), "velocity": np.ones(20)}
     wrong: list[tuple[object, str]] = [
@@ -130,7 +220,7 @@ def test_wrong_rollouts(tmp_path: pathlib.Path) -> None:
         ([3], "no mapping"),
         (tmp_path / "nothing.npz", "cannot be read"),
         (tmp_path / "nothing.csv", "expected an .npz or a .parquet"),
-        ([{**good, "done": [True] + 19 * [False]}], "too few"),
+        ([{**good, "done": 20 * [True]}], "too few"),
     ]
     for episodes, words in wrong:
         if words == "different":

@@ -452,6 +452,11 @@ impl Load {
         self.has_durations && !self.has_steady_heat
     }
 
+    /// How long the motion lasts \[s\]; zero where nothing says so.
+    pub fn lasts(&self) -> f64 {
+        self.moves
+    }
+
     /// Mean power drawn from the bus \[W\], without the drive's standby power, as a cut: the polynomial that equals it at
     /// `ratio` and is nowhere above it. Power that is drawn costs `P/η_d`, power that comes back yields `η_r P`, or the most
     /// that is kept; which samples do what is taken at `ratio`, and any other choice costs more.

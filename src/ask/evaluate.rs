@@ -43,7 +43,7 @@ impl Which {
         match names.iter().find(|name| all().all(|limit| limit != **name)) {
             None => Ok(()),
             Some(wrong) => {
-                let help = nearest(wrong, all()).map_or_else(
+                let help = nearest(wrong, all().chain(["all", "instant"])).map_or_else(
                     || format!("there are: {}", all().collect::<Vec<_>>().join(", ")),
                     |near| format!("did you mean `{near}`?"),
                 );

@@ -215,7 +215,7 @@ impl OfActuator {
 
 impl Answer for OfActuator {
     fn is_satisfied(&self) -> bool {
-        self.planned().is_none_or(plan_report::is_satisfied)
+        self.planned().is_none_or(plan_report::is_satisfied) && report::is_learnt(self.reports())
     }
 
     fn json(&self) -> Value {
@@ -247,7 +247,8 @@ impl Answer for OfActuator {
 
 impl Answer for OfRobot {
     fn is_satisfied(&self) -> bool {
-        true
+        let said = robot_report::Said::new(&self.report);
+        said.joints().any(|(_, reports)| reports.as_ref().is_ok_and(|reports| report::is_learnt(reports)))
     }
 
     fn json(&self) -> Value {

@@ -319,6 +319,11 @@ impl Optimized {
         Some(format!("the nearest, {motor} {with}, {over}"))
     }
 
+    /// The text, with why the first designs are the best, why the others are not, or all columns.
+    pub fn text_with(&self, why: bool, rejected: bool, full: bool) -> String {
+        self.text_of(Shown { top: self.top, rejected, why, full: full || self.top != TOP })
+    }
+
     /// The text, with as much of it as is wanted.
     pub fn text_of(&self, shown: Shown) -> String {
         let found = self.found();
@@ -349,7 +354,7 @@ impl Answer for Optimized {
     }
 
     fn text(&self) -> String {
-        self.text_of(Shown { top: self.top, rejected: false, why: false, full: self.top != TOP })
+        self.text_with(false, false, false)
     }
 
     fn page(&self) -> Page {

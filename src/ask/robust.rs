@@ -74,7 +74,7 @@ impl Robust {
 
 impl Answer for Robust {
     fn is_satisfied(&self) -> bool {
-        self.joints().iter().all(|j| !j.designs.is_empty())
+        report::keeps_over_tolerances(self.joints())
     }
 
     fn json(&self) -> Value {
@@ -102,6 +102,13 @@ impl Answer for Robust {
     }
 
     fn remarks(&self) -> Vec<String> {
-        super::alone(&self.cell.borrow_owner().robot)
+        let untold = report::without_tolerances(self.joints()).map(|joint| {
+            format!(
+                "{}: the row of the first choice states no tolerance: it keeps its limits by its printed numbers alone, and \
+                 nothing is known beyond them; `--tolerance 5%` takes one for every number without",
+                joint.nominal.joint.name
+            )
+        });
+        super::alone(&self.cell.borrow_owner().robot).into_iter().chain(untold).collect()
     }
 }

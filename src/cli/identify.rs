@@ -16,7 +16,7 @@ use crate::units;
 /// Arguments of the command.
 #[derive(Debug, Args)]
 #[command(
-    before_help = "Examples:\n  gearwise identify requirements/bench/leg_actuator.toml\n  gearwise identify bench.toml --plot residual.svg --write fitted.toml\n  gearwise identify bench.toml --requirement robot.toml\n  gearwise identify bench.toml --band \"40 Hz\" --json\n  gearwise identify bench.toml --plan next_run.csv --plan-time \"30 s\"\n\nStructure that no known effect explains is an answer, not a failure: exit status 0."
+    before_help = "Examples:\n  gearwise identify requirements/bench/leg_actuator.toml\n  gearwise identify bench.toml --plot residual.svg --write fitted.toml\n  gearwise identify bench.toml --requirement robot.toml\n  gearwise identify bench.toml --band \"40 Hz\" --json\n  gearwise identify bench.toml --plan next_run.csv --plan-time \"30 s\"\n\nStructure that no known effect explains is an answer, not a failure: exit status 0. Exit status 1 where nothing can be learnt from the logs."
 )]
 pub struct Arguments {
     /// Bench file (TOML)

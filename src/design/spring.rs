@@ -57,7 +57,12 @@ pub(super) fn choose(
     }
     let found = spring::solve(prepared, &joint.objective, &asked, (min, max), covered(mount)).map_err(Reason::from)?;
     let without = without_spring(prepared, joint, min, max);
-    let SpringOptimum { stiffness, rest_angle, optimum, lower_bound, gap, least_stiffness } = found;
+    let SpringOptimum { stiffness, rest_angle, mut optimum, lower_bound, gap, least_stiffness } = found;
+    // Where it cannot be judged at the best ratio, the same spring at one where it can.
+    if let Some(sprung) = Sprung::new(joint, stiffness, rest_angle.unwrap_or(0.0), covered(mount)) {
+        let there = prepared.with_candidate(sprung.candidate(&prepared.candidate));
+        optimum = judge::judged_part(&there, optimum, false);
+    }
     Ok((SpringChoice { stiffness, rest_angle, lower_bound, gap, least_stiffness, without }, optimum))
 }
 

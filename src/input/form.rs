@@ -451,6 +451,11 @@ impl<'a> Section<'a> {
         self.value(key).is_some_and(|v| v.get_ref().is_array())
     }
 
+    /// Whether the value at `key` is a number without quotes.
+    pub fn is_number(&self, key: &'static str) -> bool {
+        self.value(key).is_some_and(|v| v.get_ref().is_float() || v.get_ref().is_integer())
+    }
+
     /// Every entry in the order of the file, for a table whose keys are not known beforehand (do not
     /// [`finish`](Section::finish) it).
     pub fn items(&self) -> Vec<(Spanned<String>, &'a Spanned<DeValue<'a>>)> {

@@ -9,7 +9,7 @@ mod sentence;
 mod story;
 
 pub(super) use findings::{lines as finding_lines, words as finding_words};
-pub use sentence::{sentence, short};
+pub use sentence::{is_learnt, sentence, short};
 pub use story::story as six_lines;
 
 use super::number;

@@ -11,7 +11,7 @@ pub(super) fn notes(joint: &Joint) -> Vec<String> {
     let cases = joint.motion.cases.as_ref().filter(|cases| !cases.together);
     let list = cases.iter().flat_map(|cases| &cases.list).map(|case| of_case(joint, case));
     let list = list.chain(cases.map(|cases| sequence(joint, cases)));
-    transmission(joint).into_iter().chain(list).chain(between(joint)).collect()
+    transmission(joint).into_iter().chain(list).chain(between(joint)).chain(overshoots(joint)).collect()
 }
 
 /// The same without what is only told to whoever asks for more.
@@ -19,7 +19,7 @@ pub(super) fn warnings(joint: &Joint) -> Vec<String> {
     let unordered =
         joint.motion.cases.as_ref().filter(|cases| !cases.is_ordered() && cases.sequence.len() > 1 && !cases.together);
     let sequence = unordered.map(|cases| sequence(joint, cases));
-    transmission(joint).into_iter().chain(sequence).chain(between(joint)).collect()
+    transmission(joint).into_iter().chain(sequence).chain(between(joint)).chain(overshoots(joint)).collect()
 }
 
 /// What is between actuator and joint, and what it makes of the motion.
@@ -74,6 +74,37 @@ fn between(joint: &Joint) -> Option<String> {
              sample to sample"
         ),
     })
+}
+
+/// By what share of their range torque or speed may go beyond the samples between them before it is said.
+const OVERSHOOT: f64 = 0.05;
+
+/// Where the spline through the samples goes far beyond them: at a step, mostly.
+fn overshoots(joint: &Joint) -> Vec<String> {
+    let motion = &joint.motion;
+    if matches!(motion.between, Between::Given(_)) || motion.given.len() == motion.len() {
+        return Vec::new();
+    }
+    let ends = |values: &mut dyn Iterator<Item = f64>| {
+        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
+    };
+    let of = |(name, unit, rate, values): (&str, &str, &str, &Vec<f64>)| {
+        let all = ends(&mut values.iter().copied());
+        let at = ends(&mut motion.given.iter().map(|k| values[*k]));
+        let beyond = (all.1 - at.1).max(at.0 - all.0);
+        (beyond > OVERSHOOT * (at.1 - at.0)).then(|| {
+            format!(
+                "Between its samples the {name} goes from {} to {} {unit}, at them from {} to {}: it steps, and limits are kept at \
+                 what the spline makes of the step; give more samples there, or the `{rate}` that is meant",
+                number(all.0),
+                number(all.1),
+                number(at.0),
+                number(at.1)
+            )
+        })
+    };
+    let all = [("torque", "N*m", "torque_rate", &motion.torque), ("speed", "rad/s", "acceleration", &motion.velocity)];
+    all.into_iter().filter_map(of).collect()
 }
 
 /// In which sequence heat is followed.

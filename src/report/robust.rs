@@ -41,6 +41,16 @@ pub(super) fn tolerances_text(all: &[Toleranced]) -> String {
     all.iter().map(one).collect::<Vec<_>>().join(", ")
 }
 
+/// The joints whose first design has no number with a tolerance.
+pub fn without_tolerances<'j, 'a>(joints: &'j [RobustJoint<'a>]) -> impl Iterator<Item = &'j RobustJoint<'a>> {
+    joints.iter().filter(|joint| joint.designs.first().is_some_and(|first| first.toleranced.is_empty()))
+}
+
+/// Whether every joint has a design that keeps its limits over tolerances that are known.
+pub fn keeps_over_tolerances(joints: &[RobustJoint]) -> bool {
+    joints.iter().all(|joint| !joint.designs.is_empty()) && without_tolerances(joints).next().is_none()
+}
+
 /// For people.
 pub fn text(robot: &Robot, joints: &[RobustJoint], top: usize, taken: &Taken) -> String {
     let heading = format!("{}: designs that keep all limits over the tolerances of the motors", robot.name);

@@ -83,25 +83,32 @@ const REGENERATION: Key = key("regeneration", "what the bus takes back at any in
 /// Reads `[bus]`.
 pub(super) fn read(section: Section) -> Option<Bus> {
     let voltage = section.required_quantity(key("voltage", "of the bus"), &units::VOLTAGE, Range::Positive);
-    let regeneration = section.text(REGENERATION).map(|text| match text.get_ref().as_str() {
-        "allowed" => Some(Regeneration::Allowed),
-        "none" => Some(Regeneration::Limited(0.0)),
-        "dissipated" => Some(Regeneration::Dissipated),
-        other => match units::quantity(other, &units::POWER) {
-            Ok(power) if power >= 0.0 => Some(Regeneration::Limited(power)),
-            _ => {
-                section.note(
-                    Problem::at(
-                        text.span(),
-                        format!("`regeneration` of [bus] cannot be `{other}`"),
-                        "expected allowed, none, dissipated, or a power",
-                    )
-                    .help("for example regeneration = \"none\" or regeneration = \"200 W\""),
-                );
-                None
-            }
-        },
-    });
+    // A bare number is a power, which in a file lacks its unit.
+    let power = section
+        .is_number("regeneration")
+        .then(|| section.quantity(REGENERATION, &units::POWER, Range::NonNegative).map(Regeneration::Limited));
+    let word = || {
+        section.text(REGENERATION).map(|text| match text.get_ref().as_str() {
+            "allowed" => Some(Regeneration::Allowed),
+            "none" => Some(Regeneration::Limited(0.0)),
+            "dissipated" => Some(Regeneration::Dissipated),
+            other => match units::quantity(other, &units::POWER) {
+                Ok(power) if power >= 0.0 => Some(Regeneration::Limited(power)),
+                _ => {
+                    section.note(
+                        Problem::at(
+                            text.span(),
+                            format!("`regeneration` of [bus] cannot be `{other}`"),
+                            "expected allowed, none, dissipated, or a power",
+                        )
+                        .help("for example regeneration = \"none\" or regeneration = \"200 W\""),
+                    );
+                    None
+                }
+            },
+        })
+    };
+    let regeneration = power.or_else(word);
     let drive = drive::read(&section, ["drive_phase_resistance", "drive_standby_power", "drive_continuous_current"]);
     let drive_current = section.quantity(
         key("drive_current", "largest drive current, phase amplitude (DC ampere of a brushed motor)"),

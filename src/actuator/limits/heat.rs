@@ -237,3 +237,70 @@ pub(super) fn heat_at_standstill(candidate: &Candidate, ratio: f64) -> Verdict {
         ),
     }
 }
+
+/// A rise of the housing by the motor's drag below this \[K\] is not worth a word: thermal numbers are not known so well.
+const DRAG_WORTH_A_WORD: f64 = 1.0;
+
+/// Whether heat of the motor's drag is asked about: where a temperature is followed, and there is drag.
+pub(super) fn has_heat_of_drag(c: &Candidate) -> bool {
+    let drags = [&c.actuator].into_iter().chain(&c.other).any(|end| end.drag_form().0.iter().any(|part| *part != 0.0));
+    let followed = c.two_node().is_some_and(|_| c.load.has_course());
+    (drags || c.is_evaluated())
+        && c.thermal_resistance().is_some()
+        && c.load.has_durations
+        && (followed || !c.load.starts_cold())
+}
+
+/// Whether a winding that copper's heat alone leaves below its limit stays below it with the heat of the motor's drag, which
+/// warms its housing: as if all of it went there, all the time.
+pub(super) fn heat_of_drag(candidate: &Candidate, ratio: f64) -> Verdict {
+    if candidate.is_evaluated() {
+        return candidate.at_ratio(ratio, |here| heat_of_drag(here, ratio));
+    }
+    let (load, actuator) = (candidate.load, &candidate.actuator);
+    let Some(whole) = candidate.thermal_resistance() else { return Verdict::Kept };
+    let followed = candidate.two_node().filter(|_| load.has_course());
+    let drag = load.share_of_time * load.mean_shaft_power(|_| *actuator.drag_form()).at(ratio).max(0.0);
+    // From cold a housing warms no further than in the time that there is.
+    let share = match (load.starts_cold(), followed) {
+        (true, Some(node)) => -(-load.lasts() / node.time_constant_housing).exp_m1(),
+        _ => 1.0,
+    };
+    // What is not worth a word is not counted either: else a ratio with a little more drag would be another matter.
+    let rise = drag * share * followed.map_or(whole, |node| node.resistance_housing_ambient) - DRAG_WORTH_A_WORD;
+    if rise < 0.0 {
+        return Verdict::Kept;
+    }
+    let (limit, _) = candidate.winding_temperature();
+    let stays = match followed {
+        Some(node) => {
+            let warmed = TwoNode { ambient: node.ambient + rise, ..node };
+            let left = limit - warmed.ambient;
+            load.winding_peak_is_within(actuator, &warmed, ratio, left)
+                || load.winding_peak(actuator, &warmed, ratio).0 <= left
+        }
+        None => {
+            let mean = match actuator.shortfall.is_nothing() {
+                true => load.mean_torque_squared(actuator).at(ratio).max(0.0) / actuator.torque_constant.powi(2),
+                false => load.mean_current_squared(actuator, 0.0, ratio),
+            };
+            let (motor, ambient) = (candidate.motor, candidate.robot.ambient + rise);
+            let settled = thermal::winding_temperature(
+                load.share_of_time * mean,
+                motor.resistance,
+                motor.reference_temperature,
+                whole,
+                ambient,
+            );
+            settled.is_some_and(|t| t <= limit)
+        }
+    };
+    match stays {
+        true => Verdict::Assumed(
+            "temperatures are of copper's heat alone; with that of the motor's drag, all of it in the housing, the limit is kept too",
+        ),
+        false => Verdict::Unknown(
+            "the heat of the motor's drag comes on top of copper's: with all of it in the housing the winding would be too hot",
+        ),
+    }
+}

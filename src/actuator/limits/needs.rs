@@ -1,6 +1,6 @@
 //! What is needed beside the limits.
 
-use super::heat::{STANDSTILL, heat_at_standstill};
+use super::heat::{STANDSTILL, has_heat_of_drag, heat_at_standstill, heat_of_drag};
 use super::limit::*;
 use crate::actuator::candidate::Candidate;
 use crate::actuator::weakening::{AlongD, Weakening};
@@ -258,6 +258,14 @@ pub const NEEDS: &[Need] = &[
         key: by_temperature,
         missing: |_| None,
         at_ratio: |c| (c.load.dwell > 0.0 && c.two_node().is_some()).then_some(heat_at_standstill as Judge),
+    },
+    Need {
+        name: "drag_heat",
+        of: Of::Other,
+        stated: always,
+        key: by_temperature,
+        missing: |_| None,
+        at_ratio: |c| has_heat_of_drag(c).then_some(heat_of_drag as Judge),
     },
     Need {
         name: "objective_mass",

@@ -4,7 +4,7 @@ use super::{Page, Part, Section, Table, Verdict, asked, folded, unjudged as apar
 use crate::design::robust::{RobustDesign, RobustJoint, SAMPLES};
 use crate::report::optimize::{proof, ratio_text};
 use crate::report::reason::reason_text;
-use crate::report::robust::{notes, percent, tolerances_text};
+use crate::report::robust::{keeps_over_tolerances, notes, percent, tolerances_text, without_tolerances};
 use crate::report::said::window_texts;
 use crate::report::{counted, design_ratio, number, optimum_ratio, unjudged};
 use crate::requirement::Robot;
@@ -13,8 +13,7 @@ use crate::requirement::Robot;
 pub fn page(robot: &Robot, joints: &[RobustJoint]) -> Page {
     let without: Vec<&str> =
         joints.iter().filter(|j| j.designs.is_empty()).map(|j| j.nominal.joint.name.as_str()).collect();
-    let bare = |j: &&RobustJoint| j.designs.first().is_some_and(|d| d.toleranced.is_empty());
-    let untold: Vec<&str> = joints.iter().filter(bare).map(|j| j.nominal.joint.name.as_str()).collect();
+    let untold: Vec<&str> = without_tolerances(joints).map(|j| j.nominal.joint.name.as_str()).collect();
     // A row without tolerances is kept by its printed numbers alone: that is not the same.
     let headline = match (without.as_slice(), untold.as_slice()) {
         ([], []) => "Every joint has a design that keeps all limits over the tolerances of its motor.".into(),
@@ -41,7 +40,7 @@ pub fn page(robot: &Robot, joints: &[RobustJoint]) -> Page {
     Page {
         command: "optimize --robust",
         title: robot.name.clone(),
-        verdict: Verdict::from(without.is_empty()),
+        verdict: Verdict::from(keeps_over_tolerances(joints)),
         asked: of_robot,
         headline,
         summary: vec![Part::Table(choices(joints))],

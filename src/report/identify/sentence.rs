@@ -23,6 +23,13 @@ pub fn short(bench: &Bench, reports: &[Report]) -> String {
     said(bench, reports, |_| String::new())
 }
 
+/// Whether anything can be learnt from logs: channels move, agree with each other and have to do with the model.
+pub fn is_learnt(reports: &[Report]) -> bool {
+    let says_nothing =
+        |report: &Report| report.evidence.dead.is_some() || report.evidence.contradicted || report.evidence.unrelated;
+    !reports.is_empty() && !reports.iter().any(says_nothing)
+}
+
 fn said(bench: &Bench, reports: &[Report], unseen: impl Fn(&[Report]) -> String) -> String {
     let Some(first) = reports.first() else { return "Nothing can be learnt from these logs.".into() };
     if let Some(channel) = reports.iter().find_map(|r| r.evidence.dead) {

@@ -48,7 +48,7 @@ pub struct Robust<'a> {
     pub nominal_only: bool,
     /// Corners of the tolerances that were looked at.
     pub corners: usize,
-    /// Largest objective at a corner.
+    /// Largest objective at a corner; `null` where no number has a tolerance.
     pub worst_objective: Option<f64>,
     /// Smallest margin at a corner.
     pub worst_margin: Option<Tightest>,
@@ -145,7 +145,7 @@ impl<'a> Robust<'a> {
                 .collect(),
             nominal_only: of.toleranced.is_empty(),
             corners: of.corners,
-            worst_objective: Some(of.worst_objective).filter(|worst| worst.is_finite()),
+            worst_objective: Some(of.worst_objective).filter(|worst| worst.is_finite() && !of.toleranced.is_empty()),
             worst_margin: of.tightest.map(|m| Tightest { limit: m.limit, margin: m.margin }),
             nominal: Nominal::new(&of.nominal),
         }

@@ -427,7 +427,7 @@ fn no_design_breaks_its_voltage_at_its_own_temperature() {
     let mut bound = 0;
     for (torque, speed) in [(20.0, 10.0), (5.0, 30.0), (60.0, 2.0), (10.0, 15.0), (2.0, 60.0), (30.0, 6.0)] {
         let text = format!(
-            "name='r'\nbus={{voltage='24 V'}}\n[[joint]]\nname='j'\nratio={{min=1,max=300}}\nobjective='loss'\npoints=[{{torque='{torque} N*m',speed='{speed} rad/s',duration='1 s'}}]\n"
+            "name='r'\nbus={{voltage='24 V'}}\n[[joint]]\nname='j'\nmotor_drag='off'\nratio={{min=1,max=300}}\nobjective='loss'\npoints=[{{torque='{torque} N*m',speed='{speed} rad/s',duration='1 s'}}]\n"
         );
         let robot = read_source(&Arc::new(Source::new("robot.toml", text))).unwrap();
         for design in &optimize(&robot, &catalog).joints[0].candidates {
@@ -611,4 +611,55 @@ fn a_rise_beyond_all_measure_is_cut_off_near_its_bound() {
         let cut: f64 = value + gradient.iter().zip(other.iter().zip(&far)).map(|(g, (a, b))| g * (a - b)).sum::<f64>();
         assert!(cut <= rise(&other) * (1.0 + 1e-9) + 1e-6, "{cut} {}", rise(&other));
     }
+}
+
+/// A wheel that turns at 20 rad/s with next to no load, behind a ratio, with all of its motor's drag.
+fn wheel(ratio: f64, limit: &str) -> Robot {
+    let text = format!(
+        "name = 'wheel'\nambient = {{ temperature = '25 degC' }}\nbus = {{ voltage = '400 V', drive_current = '60 A' }}\n[[joint]]\nname = 'j'\nratio = {{ values = [{ratio}] }}\nobjective = 'loss'\npoints = [{{ torque = '1 N*m', speed = '20 rad/s', duration = '1 s' }}]\nlimits = {{ winding_temperature = '{limit}' }}\n"
+    );
+    read_source(&Arc::new(Source::new("wheel.toml", text))).unwrap()
+}
+
+#[test]
+fn a_winding_that_drag_could_heat_beyond_its_limit_is_not_said_to_stay_below_it() {
+    // b = 2e-4 N·m·s/rad: at 20 N rad/s of the rotor that is 0.08 N² W, over 1 K/W.
+    // The order of points is not known, so that all of the resistance counts.
+    let dragging = |motor: Motor| Motor { coulomb_friction: Some(0.0), viscous_friction: Some(2e-4), ..motor };
+    let housing = 1.0;
+    let mut seen = [0, 0, 0];
+    for motor in [motor(&[], &[]), motor(TIMES, &[])].map(dragging) {
+        for ratio in [2.0, 5.0, 8.0, 12.0, 20.0, 28.0, 32.0, 40.0] {
+            let mut catalog = Catalog::default();
+            catalog.motors.push(motor.clone());
+            let robot = wheel(ratio, "110 degC");
+            let result = optimize(&robot, &catalog);
+            let joint = &result.joints[0];
+            let said = |remarks: &[(&str, &str)]| remarks.iter().any(|(name, _)| *name == "drag_heat");
+            // The balance on paper: copper's heat by its own temperature, drag's in the housing.
+            let (drag, current) = (2e-4 * (20.0 * ratio).powi(2), (1.0 / ratio + 2e-4 * 20.0 * ratio) / 0.1);
+            let mut rise = 0.0;
+            for _ in 0..200 {
+                rise =
+                    housing * drag - 1.0 + 1.0 * current * current * (1.0 + 0.003_93 / (1.0 + 0.003_93 * 5.0) * rise);
+            }
+            let first = joint.candidates.first();
+            match (rise > 85.0, housing * drag < 1.0) {
+                (true, _) => {
+                    seen[0] += 1;
+                    assert!(first.is_none(), "{ratio}: {rise}");
+                    assert!(joint.unjudged.iter().any(|u| said(&u.because)), "{ratio}: {rise}");
+                }
+                (false, false) => {
+                    seen[1] += 1;
+                    assert!(first.is_some_and(|d| said(&d.assumed) && d.unchecked.is_empty()), "{ratio}: {rise}");
+                }
+                (false, true) => {
+                    seen[2] += 1;
+                    assert!(first.is_some_and(|d| !said(&d.assumed)), "{ratio}: {rise}");
+                }
+            }
+        }
+    }
+    assert!(seen.iter().all(|n| *n >= 2), "{seen:?}");
 }

@@ -173,13 +173,16 @@ fn no_motor_within_the_tolerances_breaks_a_limit_and_outside_the_window_one_does
                 continue;
             }
             lost += 1;
-            if count <= 512 {
+            // What cannot be judged is another matter: tests/program/proof/unjudged.rs.
+            if count <= 512 && !matches!(result.lost[0].reason, Reason::Unjudged(_)) {
                 assert!(!grid.iter().any(|n| kept(*n)), "case {seed}: a ratio will do: {:?}", result.lost[0].reason);
             }
             continue;
         };
         feasible += 1;
-        assert!(matches!(design.optimum.certificate, Certificate::Certified { .. }), "case {seed}");
+        // A ratio that was moved to where it can be judged is no proved one.
+        let judged = design.optimum.windows.iter().all(|w| w.low.unjudged.is_none() && w.high.unjudged.is_none());
+        assert!(!judged || matches!(design.optimum.certificate, Certificate::Certified { .. }), "case {seed}");
         let n = design.optimum.ratio;
         // Motors at corners, at random places of the box and of its faces.
         let mut generator = Pcg64::seed_from_u64(seed ^ 0xabcd);
@@ -196,7 +199,6 @@ fn no_motor_within_the_tolerances_breaks_a_limit_and_outside_the_window_one_does
         assert!(worst <= design.worst_objective * (1.0 + 1e-9), "case {seed}: {worst} {}", design.worst_objective);
         // Nothing better keeps the limits at all corners. (Where a window ends at what cannot be judged, that is another
         // matter: tests/program/proof/unjudged.rs.)
-        let judged = design.optimum.windows.iter().all(|w| w.low.unjudged.is_none() && w.high.unjudged.is_none());
         if count <= 512 && judged {
             let nominal = case.motor(false);
             for n in grid.iter().filter(|n| kept(**n)) {
