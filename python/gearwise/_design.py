@@ -138,7 +138,9 @@ class Design(Record):
     window: "tuple[float, float]"
     """Feasible ratios about the best one."""
     binds: "Mapping[str, Any]"
-    """The limits that end the window."""
+    """What ends the window: a limit that is exceeded beyond it, or where `binds_at` has `unjudged`, one that cannot be
+    judged there.
+    """
     binds_at: "Mapping[str, Any]"
     """The same with the instant at which they do."""
     windows: "Sequence[Mapping[str, Any]]"

@@ -120,7 +120,7 @@ impl From<losses::Losses> for Losses {
 pub struct Solution<'a> {
     /// Feasible ratios about the best one.
     pub window: [f64; 2],
-    /// The limits that end the window.
+    /// What ends the window: a limit that is exceeded beyond it, or where `binds_at` has `unjudged`, one that cannot be judged there.
     pub binds: Binds<&'static str>,
     /// The same with the instant at which they do.
     pub binds_at: Binds<Bind<'a>>,

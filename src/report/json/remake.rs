@@ -127,7 +127,7 @@ pub struct Chosen<'a> {
     pub ratio: f64,
     /// Feasible ratios about it.
     pub window: [f64; 2],
-    /// The limits that end the window.
+    /// What ends the window: limits that are exceeded beyond it, or cannot be judged there.
     pub binds: Binds<&'static str>,
     /// The objective.
     pub objective: Option<f64>,
