@@ -24,14 +24,14 @@ pub enum Which {
     Named(Vec<String>),
 }
 
-/// The limit that follows temperature over the motion.
-const OVER_TIME: &str = "winding_peak_temperature";
+/// The limit that follows temperature over the motion, and what is said of heat beside it.
+const OVER_TIME: [&str; 2] = ["winding_peak_temperature", "drag_heat"];
 
 impl Which {
     fn has(&self, name: &str) -> bool {
         match self {
             Which::All => true,
-            Which::Instant => name != OVER_TIME,
+            Which::Instant => !OVER_TIME.contains(&name),
             Which::Named(names) => names.iter().any(|n| n == name),
         }
     }
