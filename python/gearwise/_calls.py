@@ -369,11 +369,13 @@ def study(
             paths, changes, grid, out, top, only_checked, shard, existing, native, threads, _bar(progress)
         )
     except InputError:
-        # What nobody works on is not left behind.
+        # What no study rests on is not left behind.
         if made is not None:
+            import pathlib
             import shutil
 
-            shutil.rmtree(made, ignore_errors=True)
+            if not (pathlib.Path(out) / "journal").exists():
+                shutil.rmtree(made, ignore_errors=True)
         raise
     return Answer(answer, f"gearwise.study({_said(requirement)}, out={out})")
 
