@@ -264,6 +264,7 @@ def check(
 def _handed(logs: "Logs", folder: str) -> "list[tuple[str, str]]":
     """Arrays as files in a folder, each with the name that the bench file has for it."""
     import os
+    import zipfile
 
     import numpy
 
@@ -288,8 +289,6 @@ def _handed(logs: "Logs", folder: str) -> "list[tuple[str, str]]":
             arrays[column] = array
         path = os.path.join(folder, f"{place}.npz")
         # A column may have any name, that of an argument of savez too.
-        import zipfile
-
         with zipfile.ZipFile(path, "w") as archive:
             for column, array in arrays.items():
                 # The time of writing is no part of a log.

@@ -30,7 +30,7 @@ def state(of: "Any") -> "dict[str, Any]":
 class Kept:
     """The forms of an answer that was pickled. Pages and pictures are made where it was answered."""
 
-    __slots__ = ("state",)
+    __slots__ = ("state", "_dict")
 
     def __init__(self, state: "dict[str, Any]") -> None:
         """Of what `state` gave; another version is refused."""
@@ -39,6 +39,7 @@ class Kept:
                 f"this answer was pickled by gearwise {state['version']}, and this is {_native.__version__}"
             )
         self.state = state
+        self._dict: "Any" = None
 
     @property
     def satisfied(self) -> bool:
@@ -49,7 +50,9 @@ class Kept:
         """As of the answer."""
         import json
 
-        return json.loads(self.state["json"])
+        if self._dict is None:
+            self._dict = json.loads(self.state["json"])
+        return self._dict
 
     def design(self, joint: int, place: int) -> "Any":
         """As of the answer."""

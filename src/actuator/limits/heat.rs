@@ -213,7 +213,7 @@ pub(super) fn above(
         // No stretch is longer than the period, or than what happens once.
         () if brief(lasts) || brief(stretch::longest(course, limit, repeats)) => Above::Briefly,
         // As if all of the thermal resistance were the winding's, with its time constant or the least of any: from above.
-        () if stretch::lags_within(course, least, repeats, limit) => Above::Bounded,
+        () if stretch::lags_within(course, mean, least, repeats, limit) => Above::Bounded,
         () => Above::Open,
     }
 }
