@@ -25,11 +25,12 @@
 //! * [`report`]: tables, JSON, CSV, pictures, fitted actuators.
 //! * [`ask`]: one function for each question, and answers that own what they speak of.
 //! * [`study`]: many robots in one go, with a journal of what is finished.
+//! * [`explore`]: one requirement asked again and again, for a page with sliders.
 //! * [`pages`]: the pages of docs/ that are made from the registries.
 //! * [`cli`]: one file for each command.
 //!
-//! What is promised is what these pages show. `output` is the crate's own; `words`, `numerics`, `report`, `ask`, `study` and
-//! `pages` can be reached, because the program, its tests and examples need them, and may change with any version.
+//! What is promised is what these pages show. `output` is the crate's own; `words`, `numerics`, `report`, `ask`, `study`,
+//! `explore` and `pages` can be reached, because the program, its tests and examples need them, and may change with any version.
 //!
 //! ```
 //! use gearwise::{catalog::Catalog, design, requirement};
@@ -50,6 +51,9 @@ pub mod catalog;
 pub mod cli;
 pub mod design;
 pub mod effects;
+#[cfg(feature = "cli")]
+#[doc(hidden)]
+pub mod explore;
 pub mod hardware;
 pub mod input;
 #[cfg(feature = "measured")]

@@ -56,6 +56,9 @@ pub struct Asked {
     pub with_costs: bool,
     /// What ends the search over the whole robot.
     pub time_limit: Option<Duration>,
+    /// One joint alone, by its place: neither the whole robot nor what lies around the choice is looked at, and of rules those
+    /// that bound a limit are kept.
+    pub joint: Option<usize>,
 }
 
 /// Which rules a choice has to keep.
@@ -109,7 +112,7 @@ impl Ready {
             Rules::None => (None, true),
         };
         let mut ruled = Ruled::new(plain.clone(), file, asked.design.is_some(), none)?;
-        let options = Options { tick: &|| (), ..watch.options(asked.only_checked) };
+        let options = Options { tick: &|| (), joint: asked.joint, ..watch.options(asked.only_checked) };
         ruled.robot = balanced(&ruled.robot, &catalog, options)?;
         if ruled.robot.has_range_of_turns() && one_by_one {
             let message = "a range of `turns` is not combined with `--pareto`, `--robust` or `--robot` (a front, tolerances, the choice for a whole robot); give a list, as in turns = [1, 0.5]";
@@ -126,7 +129,12 @@ impl Ready {
 
     /// How many steps the search has: motors at joints.
     pub fn steps(&self) -> usize {
-        self.ruled.robot.joints.len() * self.catalog.motors.len()
+        self.ruled.robot.joints.len() * self.motors()
+    }
+
+    /// How many motors are looked at for each joint.
+    pub fn motors(&self) -> usize {
+        self.catalog.motors.len()
     }
 
     /// The robot with the limits that rules add.
@@ -179,7 +187,7 @@ pub struct Optimized {
 /// It was stopped, or the joints' objectives cannot be summed up.
 pub fn optimize(ready: Ready, asked: &Asked, names: Names, watch: Watch) -> Result<Optimized, Failure> {
     let Ready { plain, ruled, catalog } = ready;
-    let options = Options { keep: asked.keep, ..watch.options(asked.only_checked) };
+    let options = Options { keep: asked.keep, joint: asked.joint, ..watch.options(asked.only_checked) };
     let (robot, looked) = with_samples(ruled.robot.clone(), &catalog, options)?;
     let ground = Ground { robot, catalog, watch };
     let cell = Cell::try_new(ground, |ground| find(ground, &plain, &ruled, asked, names))?;
@@ -195,18 +203,22 @@ fn find<'a>(
 ) -> Result<Found<'a>, Failure> {
     let Ground { robot, catalog, watch } = ground;
     let catalog: &Catalog = catalog;
-    let search = watch.options(asked.only_checked);
+    let search = Options { joint: asked.joint, ..watch.options(asked.only_checked) };
     let mut result = optimize_with(robot, catalog, Options { keep: asked.keep, ..search })?;
     let search = Options { tick: &|| (), ..search };
     let target = asked.design.as_deref();
-    let whole = robot.is_coupled() || asked.whole;
+    let whole = asked.joint.is_none() && (robot.is_coupled() || asked.whole);
     let ground = (plain, catalog);
     // Rules that are no limit of the program are looked at on the first designs, and the next are tried.
-    let design = match !whole && (ruled.keeps() || target.is_some()) {
+    let looked_at = !whole && asked.joint.is_none();
+    let design = match looked_at && (ruled.keeps() || target.is_some()) {
         true => ruled.keep(&mut result, names, ground, target),
         false => Ok(None),
     };
-    let outlooks = outlooks(&result, catalog, asked.with_front, search)?;
+    let outlooks = match asked.joint {
+        None => outlooks(&result, catalog, asked.with_front, search)?,
+        Some(_) => Vec::new(),
+    };
     let begun = Instant::now();
     let options = watch.of_robot(asked.only_checked, asked.runner_ups);
     let choice = whole.then(|| choose(robot, catalog, options)).transpose()?;

@@ -18,6 +18,7 @@ mod compare;
 mod completions;
 mod docs;
 mod explain;
+mod explore;
 mod export;
 mod identify;
 mod import;
@@ -31,6 +32,10 @@ mod rule;
 mod study;
 mod sweep;
 mod torques;
+
+/// What the bytes of a request to `explore` say: for its fuzzing.
+#[doc(hidden)]
+pub use explore::head as explore_http_head;
 
 use std::ffi::OsString;
 use std::io::Write;
@@ -71,6 +76,8 @@ enum Command {
     Optimize(optimize::Arguments),
     /// The whole story of one motor at a joint, feasible or not
     Explain(explain::Arguments),
+    /// A page on this machine in which every slider moves the best designs: what if
+    Explore(explore::Arguments),
     /// Every motor at every ratio: feasible, or why not
     Sweep(sweep::Arguments),
     /// Many robots in one go, or a grid of parameters: resumable, in shards, results as CSV and Parquet
@@ -192,6 +199,18 @@ impl CatalogChoice {
             [] => self.catalog.clone(),
             also => std::iter::once(BUILTIN_WORD.into()).chain(also.iter().cloned()).collect(),
         }
+    }
+
+    /// The words of a call with the same catalogue.
+    fn words(&self) -> Vec<String> {
+        let list = |option: &str, paths: &[PathBuf]| match paths {
+            [] => Vec::new(),
+            paths => std::iter::once(option.to_string()).chain(paths.iter().map(|p| p.display().to_string())).collect(),
+        };
+        let mut words = [list("--catalog", &self.catalog), list("--also", &self.also)].concat();
+        words.extend(self.no_estimates.then(|| "--no-estimates".to_string()));
+        words.extend(self.also_inside_modules.then(|| "--also-inside-modules".to_string()));
+        words
     }
 
     /// A catalogue as one chooses from it.
@@ -429,6 +448,7 @@ fn answer(command: &Command, call: &Call) -> Result<Done, Failure> {
     match command {
         Command::Optimize(arguments) => optimize::run(arguments, call),
         Command::Explain(arguments) => explain::run(arguments, call),
+        Command::Explore(arguments) => explore::run(arguments, call),
         Command::Sweep(arguments) => sweep::run(arguments, call),
         Command::Study(arguments) => study::run(arguments, call),
         Command::Merge(arguments) => merge::run(arguments, call),

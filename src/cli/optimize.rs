@@ -211,6 +211,7 @@ impl Arguments {
             design: self.write_design.clone(),
             with_costs: self.output.is_text(),
             time_limit,
+            joint: None,
         }
     }
 

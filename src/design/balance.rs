@@ -20,8 +20,9 @@ use crate::requirement::{Balance, Balancing, Extreme, Joint, Objective, Quantity
 /// It was stopped.
 pub fn balanced(robot: &Robot, catalog: &Catalog, options: Options) -> Result<Robot, Stopped> {
     let asks = |joint: &Joint| joint.balancing == Balancing::Asked;
+    let wanted = |place: usize| options.joint.is_none_or(|only| only == place);
     let mut made = robot.clone();
-    for (index, joint) in robot.joints.iter().enumerate().filter(|(_, joint)| asks(joint)) {
+    for (index, joint) in robot.joints.iter().enumerate().filter(|(j, joint)| wanted(*j) && asks(joint)) {
         let (lightest, least_loss) = ends(robot, joint, catalog, options)?;
         let joint = &mut made.joints[index];
         let balance = match (lightest, least_loss) {
@@ -53,7 +54,7 @@ fn ends(robot: &Robot, joint: &Joint, catalog: &Catalog, options: Options) -> Re
         let joint = Joint { objective: Objective::single(quantity), carries, phases, count: 1, ..joint.clone() };
         Robot { joints: vec![joint], ..robot.clone() }
     };
-    let options = Options { reasons: false, tick: &|| {}, ..options };
+    let options = Options { reasons: false, tick: &|| {}, joint: None, ..options };
     // A module whose loss nobody knows is no choice by it, and no end of the trade either.
     let says_loss = |motor: &Motor| motor.inside.as_deref().is_none_or(Inside::says_loss);
     let without = || {

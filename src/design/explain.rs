@@ -14,6 +14,7 @@ use crate::actuator::candidate::End;
 use crate::actuator::limits::{Asked, Candidate, Remark};
 use crate::actuator::thermal::Winding;
 use crate::catalog::{Gear, Motor};
+use crate::numerics::grid::grid;
 use crate::numerics::line_search::{FULLY, golden_section};
 use crate::requirement::{Joint, RatioChoice, Robot};
 
@@ -228,30 +229,80 @@ fn explain_as_it_is<'a>(
         (None, _) => remedies_at(&prepared, here),
         _ => Vec::new(),
     };
-    let evaluation =
-        Evaluation { energy: prepared.energy(here), peak_power: Some(prepared.peak_power(here)), ..prepared.at(here) };
-    let winding_temperature = prepared.winding_temperature(here);
-    let reversal_time = prepared.reversal_time(here);
     let turns = can_be_asked(robot, joint, motor).is_ok().then(|| TurnsRange::at(&prepared, here));
-    let Judged { unchecked, assumed } = prepared.judged(here);
-    let unjudged = unjudged(robot, joint, &unchecked);
-    Ok(Explanation {
+    Ok(Explanation { sensitivities, remedies, turns, ..at(&prepared, (joint, motor, gear), here, best) })
+}
+
+/// What is known of a prepared motor at a ratio; `best` is what a search found.
+fn at<'a>(
+    prepared: &Prepared,
+    (joint, motor, gear): (&'a Joint, &'a Motor, Option<&'a Gear>),
+    ratio: f64,
+    best: Option<Result<Optimum, Reason>>,
+) -> Explanation<'a> {
+    let Judged { unchecked, assumed } = prepared.judged(ratio);
+    Explanation {
         joint,
         motor,
         gear,
-        evaluation,
-        winding_temperature,
-        turns,
-        reversal_time,
+        evaluation: prepared.at_in_full(ratio),
+        winding_temperature: prepared.winding_temperature(ratio),
+        reversal_time: prepared.reversal_time(ratio),
         best,
-        sensitivities,
-        remedies,
+        sensitivities: Vec::new(),
+        remedies: Vec::new(),
+        turns: None,
+        unjudged: unjudged(prepared.candidate.robot, joint, &unchecked),
         unchecked,
-        unjudged,
         assumed,
         spring: None,
         nearest_spring: None,
-    })
+    }
+}
+
+/// Ratios at which a motor that cannot do it is looked at.
+const LOOKS: usize = 40;
+
+/// A motor of which a search has been made at a joint, at a ratio: what takes a search of its own (sensitivities, what would have to
+/// change at other ratios) is left out. Without a ratio it is the best one, or where there is none that which comes nearest.
+///
+/// # Errors
+/// Why the motor is no candidate.
+pub fn look<'a>(
+    robot: &'a Robot,
+    joint: &'a Joint,
+    (motor, gear): (&'a Motor, Option<&'a Gear>),
+    ratio: Option<f64>,
+    best: Result<(&Optimum, Option<SpringChoice>), &Reason>,
+) -> Result<Explanation<'a>, Unusable> {
+    let spring = best.ok().and_then(|(_, spring)| spring);
+    let with = |spring: SpringChoice| joint.with_spring(spring.stiffness, spring.rest_angle.unwrap_or(0.0));
+    let moved = spring.and_then(with);
+    let own = moved.as_ref().unwrap_or(joint);
+    let load = load_through(own, gear);
+    let mount = Mount::new(robot, own, &load, motor).with_gear(gear);
+    let prepared = mount.prepared()?;
+    if ratio.is_some_and(|ratio| !prepared.says_gear_at(ratio)) {
+        return Err(Unusable::OutsideMap);
+    }
+    let free = joint.ratio.range().filter(|_| mount.gear.is_none());
+    let ratio = ratio.or(mount.gear.map(|gear| gear.ratio)).or(best.ok().map(|(optimum, _)| optimum.ratio));
+    let here = ratio.unwrap_or_else(|| free.map_or(1.0, |range| nearest_ratio(&prepared, range)));
+    let best = free.map(|_| best.map(|(optimum, _)| optimum.clone()).map_err(Clone::clone));
+    let mut story = at(&prepared, (joint, motor, gear), here, best);
+    story.spring = spring.map(Ok);
+    story.remedies = remedies_at(&prepared, here);
+    Ok(story)
+}
+
+/// The ratio of a range at which the limit that is exceeded most is exceeded least.
+fn nearest_ratio(prepared: &Prepared, (least, most): (f64, f64)) -> f64 {
+    let ratios = if least < most { grid(least, most, LOOKS) } else { vec![least] };
+    let worst = |ratio: f64| {
+        let margins = prepared.at(ratio).margins;
+        margins.iter().map(|m| m.margin).fold(f64::INFINITY, f64::min)
+    };
+    ratios.into_iter().map(|ratio| (ratio, worst(ratio))).max_by(|a, b| a.1.total_cmp(&b.1)).map_or(least, |(n, _)| n)
 }
 
 /// Re-solves with each parameter of the motor changed for the better by a tenth.

@@ -62,7 +62,8 @@ fn is_many(joint: &Joint) -> bool {
 /// # Errors
 /// It was stopped.
 pub fn with_samples(robot: Robot, catalog: &Catalog, options: Options) -> Result<(Robot, Vec<Looked>), Stopped> {
-    let places: Vec<usize> = (0..robot.joints.len()).filter(|j| is_many(&robot.joints[*j])).collect();
+    let wanted = |place: &usize| options.joint.is_none_or(|only| only == *place);
+    let places: Vec<usize> = (0..robot.joints.len()).filter(wanted).filter(|j| is_many(&robot.joints[*j])).collect();
     if places.is_empty() || robot.is_coupled() {
         return Ok((robot, Vec::new()));
     }
@@ -86,7 +87,7 @@ pub fn with_samples(robot: Robot, catalog: &Catalog, options: Options) -> Result
         if round == ROUNDS {
             break;
         }
-        let found = optimize_with(&robot, catalog, Options { tick: &|| (), reasons: false, ..options })?;
+        let found = optimize_with(&robot, catalog, Options { tick: &|| (), reasons: false, joint: None, ..options })?;
         let mut grew = false;
         for (k, place) in places.iter().enumerate() {
             let fresh = exceeded(&whole, &demands[k], &found.joints[*place], stop)?;

@@ -22,6 +22,10 @@ pub fn optimize<'a>(robot: &'a Robot, catalog: &'a Catalog) -> RobotResult<'a> {
 /// # Errors
 /// It was stopped.
 pub fn optimize_with<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options) -> Result<RobotResult<'a>, Stopped> {
+    if let Some(joint) = options.joint {
+        let joints = vec![solve_joint(robot, &robot.joints[joint], catalog, options)?];
+        return Ok(RobotResult { robot, joints });
+    }
     // Joints that ask the same have the same answer: it is found once.
     let first: Vec<usize> = (0..robot.joints.len())
         .map(|j| (0..j).find(|i| robot.joints[*i].asks_the_same(&robot.joints[j])).unwrap_or(j))

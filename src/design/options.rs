@@ -58,12 +58,22 @@ pub struct Options<'p> {
     /// Asked before each motor, at each node of a branch and bound and at each region of a search for a spring. Once it
     /// says `true` it has to go on saying so; the search then ends with [`Stopped`].
     pub stop: &'p (dyn Fn() -> bool + Sync),
+    /// The one joint that is looked at, by its place in the robot; `None` for all.
+    pub joint: Option<usize>,
     /// Loads that were made ready before, of robots that are optimised one after another.
     pub loads: Option<&'p Loads>,
 }
 
 impl Default for Options<'_> {
     fn default() -> Self {
-        Options { only_checked: false, keep: None, reasons: true, tick: &|| {}, stop: &|| false, loads: None }
+        Options {
+            only_checked: false,
+            keep: None,
+            reasons: true,
+            tick: &|| {},
+            stop: &|| false,
+            joint: None,
+            loads: None,
+        }
     }
 }

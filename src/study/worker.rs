@@ -125,6 +125,16 @@ pub struct Store {
 const KEPT: usize = 256;
 
 impl Store {
+    /// The store as a source of motions; paths are told from `base`.
+    pub fn reading<'s>(&'s self, base: &'s Path) -> impl Motions + 's {
+        Reading { store: self, base, inputs: BTreeMap::new() }
+    }
+
+    /// Whether a file was read before.
+    pub fn knows(&self, path: &Path) -> bool {
+        self.files.lock().expect("no thread panicked").contains_key(path)
+    }
+
     /// A file with its SHA-256.
     fn open(&self, path: &Path) -> Result<(Arc<Source>, String), InputError> {
         if let Some(found) = self.files.lock().expect("no thread panicked").get(path) {

@@ -12,6 +12,7 @@ use crate::report::explain::{
 };
 use crate::report::optimize::fitted_notes;
 use crate::report::plot::design as plot;
+use crate::report::plot::torque_speed::CAPTION;
 use crate::report::reason::reason_text;
 use crate::report::said::gear_of_ratio;
 use crate::report::{number, optional, spring};
@@ -21,17 +22,7 @@ use crate::requirement::Robot;
 pub fn page(robot: &Robot, story: &Explanation) -> Page {
     let (e, joint, motor) = (&story.evaluation, story.joint, story.motor);
     let gear = story.gear.map_or_else(String::new, |g| format!(" with {}", g.id));
-    let verdict = verdict(story);
-    let mut summary = Vec::new();
-    if let Some(margin) = e.tightest() {
-        let text = match e.feasible {
-            true => {
-                format!("Tightest: {}, {} left.", margin.limit, percent(margin.margin.max(0.0)).trim_start_matches('+'))
-            }
-            false => format!("Most exceeded: {}, {}.", margin.limit, crate::report::demand_of(margin)),
-        };
-        summary.push(Part::Text(text));
-    }
+    let mut summary: Vec<Part> = tightest(story).map(Part::Text).into_iter().collect();
     if let Some(line) = gear_of_ratio(joint, e.ratio).filter(|_| story.gear.is_none()) {
         summary.push(Part::Text(format!("{}.", capitalised(&line))));
     }
@@ -54,15 +45,7 @@ pub fn page(robot: &Robot, story: &Explanation) -> Page {
     }
     let mut sections = vec![
         Section::new("Figures", vec![Part::Figure(plot::explained(robot, story))]),
-        Section::new(
-            "Limits",
-            vec![
-                Part::Table(
-                    Table::of("Limits, the tightest first", &limit_columns()).rows(limit_rows(&e.margins, joint)),
-                ),
-                Part::Text(Q_AXIS.into()),
-            ],
-        ),
+        Section::new("Limits", vec![Part::Table(limits(story)), Part::Text(Q_AXIS.into())]),
         Section::new("What it needs and weighs", vec![Part::Table(needs(story))]),
         Section::new("Where the loss is", losses(story)),
     ];
@@ -84,12 +67,73 @@ pub fn page(robot: &Robot, story: &Explanation) -> Page {
         title: format!("{}: {}{gear} at N = {}", joint.name, motor.id, number(e.ratio)),
         verdict: Verdict::from(story.is_choice()),
         asked: super::asked::parts(robot, &[joint]),
-        headline: format!("At {}, {} at N = {}{gear} {verdict}.", joint.name, motor.id, number(e.ratio)),
+        headline: headline(story),
         summary,
         sections,
         warnings: warnings(story),
         ..Page::default()
     }
+}
+
+/// How a design stands, in a sentence.
+pub fn headline(story: &Explanation) -> String {
+    let gear = story.gear.map_or_else(String::new, |g| format!(" with {}", g.id));
+    let (joint, motor, ratio) = (&story.joint.name, &story.motor.id, number(story.evaluation.ratio));
+    format!("At {joint}, {motor} at N = {ratio}{gear} {}.", verdict(story))
+}
+
+/// The limit that leaves least, or that is exceeded most.
+fn tightest(story: &Explanation) -> Option<String> {
+    let margin = story.evaluation.tightest()?;
+    Some(match story.evaluation.feasible {
+        true => {
+            format!("Tightest: {}, {} left.", margin.limit, percent(margin.margin.max(0.0)).trim_start_matches('+'))
+        }
+        false => format!("Most exceeded: {}, {}.", margin.limit, crate::report::demand_of(margin)),
+    })
+}
+
+/// Every limit of a design.
+fn limits(story: &Explanation) -> Table {
+    Table::of("Limits, the tightest first", &limit_columns()).rows(limit_rows(&story.evaluation.margins, story.joint))
+}
+
+/// A design that is looked at among others: how it stands, its diagrams, its limits, what it needs, where its loss is. The
+/// diagrams have no title, so that those of another design can take their place.
+pub fn looked_at(robot: &Robot, story: &Explanation) -> Vec<Part> {
+    let mut parts: Vec<Part> = tightest(story).map(Part::Text).into_iter().collect();
+    match &story.best {
+        Some(Ok(optimum)) => parts.push(Part::Text(best_line(story, optimum))),
+        Some(Err(reason)) => {
+            parts.push(Part::Text(format!("No ratio of this motor will do: {}.", reason_text(reason, story.joint).1)));
+        }
+        None => {}
+    }
+    if let Some(Ok(found)) = &story.spring {
+        parts.push(Part::Text(format!("Parallel spring: {}.", spring::text(found, story.evaluation.loss))));
+    }
+    parts.extend(
+        gear_of_ratio(story.joint, story.evaluation.ratio)
+            .filter(|_| story.gear.is_none())
+            .map(|line| Part::Text(format!("{}.", capitalised(&line).trim_end_matches('.')))),
+    );
+    if !story.remedies.is_empty() {
+        parts.push(Part::Text("What is exceeded at this ratio, and what would have to be in its place:".into()));
+        parts.push(Part::List(story.remedies.iter().map(remedy_text).collect()));
+    }
+    parts.push(Part::Figure(plot::looked_at(robot, story)));
+    parts.extend(super::folded("How to read torque over speed", Some(Part::Text(CAPTION.into()))));
+    parts.push(Part::Table(limits(story)));
+    parts.extend(losses(story));
+    parts.extend(super::folded("What it needs and weighs", Some(Part::Table(needs(story)))));
+    let warnings = warnings(story);
+    if !warnings.is_empty() {
+        parts.extend(super::folded(
+            &format!("What to know before it is used ({})", warnings.len()),
+            Some(Part::List(warnings)),
+        ));
+    }
+    parts
 }
 
 /// The parts of the loss, drawn where there are any and in words, with what nobody knows of it.

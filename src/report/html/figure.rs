@@ -168,5 +168,8 @@ fn series(series: &Series, ids: &mut Ids) -> Value {
     if series.hollow {
         put("hollow", json!(true));
     }
+    if !series.sizes.is_empty() {
+        put("sizes", series.sizes.iter().map(|size| coordinate(*size)).collect());
+    }
     Value::Object(object)
 }

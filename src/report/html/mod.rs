@@ -16,6 +16,7 @@ pub mod characterize;
 pub mod check;
 pub mod compare;
 pub mod explain;
+pub mod explore;
 pub mod export;
 pub mod identify;
 pub mod identify_robot;
@@ -31,7 +32,7 @@ use std::path::Path;
 
 pub use bars::Bars;
 pub use chain::Chain;
-pub use render::{fragment, text};
+pub use render::{Frame, application, fragment, policy, text};
 
 use super::plot::{self, Figure};
 use crate::input::InputFile;

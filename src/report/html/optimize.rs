@@ -149,7 +149,7 @@ fn choices(result: &RobotResult, whole: Option<&Choice>) -> Table {
 }
 
 /// What stands in place of a choice.
-fn none_text(joint: &JointResult) -> String {
+pub(super) fn none_text(joint: &JointResult) -> String {
     match joint.unjudged.len() {
         0 => "none can do it".into(),
         count => format!("none that can be judged can do it ({count} cannot be judged)"),
@@ -181,8 +181,7 @@ fn warned(result: &JointResult) -> Vec<String> {
 
 fn section(result: &JointResult, outlook: Option<&Outlook>, names: &str, figure: Option<Part>) -> Section {
     let joint = result.joint;
-    let (ratio, verdict) = (ratio_text(joint), verdict(result));
-    let mut parts = vec![Part::Text(format!("{ratio}, {}: {verdict}.", joint.aim()))];
+    let mut parts = vec![Part::Text(asked_of(result))];
     parts.extend(crate::report::balance::sentences(result).into_iter().map(Part::Text));
     parts.extend(figure);
     parts.extend(candidates(result, names).part());
@@ -200,7 +199,24 @@ fn section(result: &JointResult, outlook: Option<&Outlook>, names: &str, figure:
         parts.extend(prices.rows(rows).part().map(|part| folded("What wider limits would bring", part)));
     }
     parts.extend(outlook.and_then(|outlook| near_gears(result, outlook, names)));
-    parts.extend(super::unjudged::of_joint(names, result));
+    parts.extend(others(result, outlook, names));
+    let rows = result.agreement.iter().filter_map(|a| {
+        let metric = METRICS.iter().find(|m| m.name == a.metric)?;
+        let tau = a.tau.map_or_else(|| "–".into(), |t| format!("{t:+.2}"));
+        Some(vec![metric.symbol.to_string(), tau, a.motors.to_string(), metric.meaning.to_string()])
+    });
+    let agreement = Table::new(
+        format!("{names}: order by metric against order by this task (Kendall's τ, 1 is the same order)"),
+        &["metric", ">τ", ">motors", "meaning"],
+    );
+    parts.extend(agreement.rows(rows).part().map(|part| folded("Would a metric have chosen the same?", part)));
+    Section::new(names, parts)
+}
+
+/// The motors of a joint that are no choice, each with why: tables that are closed at first.
+pub fn others(result: &JointResult, outlook: Option<&Outlook>, names: &str) -> Vec<Part> {
+    let joint = result.joint;
+    let mut parts: Vec<Part> = super::unjudged::of_joint(names, result).into_iter().collect();
     let mut rejected = Table::new(
         format!("{names}: why not the others"),
         &["motor", "gear", "because", "another number of turns", "in short"],
@@ -221,17 +237,12 @@ fn section(result: &JointResult, outlook: Option<&Outlook>, names: &str, figure:
         let count = table.rows.len();
         parts.extend(table.part().map(|part| folded(&format!("Not solved ({count})"), part)));
     }
-    let rows = result.agreement.iter().filter_map(|a| {
-        let metric = METRICS.iter().find(|m| m.name == a.metric)?;
-        let tau = a.tau.map_or_else(|| "–".into(), |t| format!("{t:+.2}"));
-        Some(vec![metric.symbol.to_string(), tau, a.motors.to_string(), metric.meaning.to_string()])
-    });
-    let agreement = Table::new(
-        format!("{names}: order by metric against order by this task (Kendall's τ, 1 is the same order)"),
-        &["metric", ">τ", ">motors", "meaning"],
-    );
-    parts.extend(agreement.rows(rows).part().map(|part| folded("Would a metric have chosen the same?", part)));
-    Section::new(names, parts)
+    parts
+}
+
+/// Which ratios a joint may have, what it aims at, and how many motors can do it.
+pub fn asked_of(result: &JointResult) -> String {
+    format!("{}, {}: {}.", ratio_text(result.joint), result.joint.aim(), verdict(result))
 }
 
 fn folded(title: &str, part: Part) -> Part {
@@ -269,7 +280,8 @@ fn losses(result: &JointResult, names: &str) -> Option<Part> {
     Bars::of_losses(format!("{names}: where the loss is, mean over the motion"), &losses).map(Part::Bars)
 }
 
-fn candidates(result: &JointResult, names: &str) -> Table {
+/// The designs of a joint, the best first.
+pub fn candidates(result: &JointResult, names: &str) -> Table {
     let joint = result.joint;
     let geared = matches!(joint.ratio, RatioChoice::Catalog { .. });
     let sprung = joint.limits.spring.is_some();

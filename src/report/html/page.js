@@ -16,6 +16,7 @@ function choose(id) {
   }
   state.at = -1;
   redraw([...before, id]);
+  if (before[0] !== id) state.onChosen?.(id >= 0 ? data.ids[id] : "");
 }
 function hover(id) {
   if (id === state.hovered) return;
@@ -70,12 +71,17 @@ function mount(root, fragment) {
   choose(state.chosen);
 }
 function renew(root, content, figures) {
-  const left = [...root.children], title = (e) => e.querySelector(":scope > summary")?.textContent;
+  // Of what is folded the title is the same whatever number of things is in it.
+  const title = (e) => e.querySelector(":scope > summary")?.textContent.replace(/ \(\d+\)$/, "");
+  const left = [...root.children];
   const parts = [...content.children].map((part) => {
     let found = left.findIndex((old) => views.get(old)?.takes(part, figures));
     if (found < 0 && part.matches("details")) {
       found = left.findIndex((old) => old.matches("details") && title(old) === title(part));
       if (found >= 0) renew(left[found], part, figures);
+    } else if (found < 0 && part.matches("summary")) {
+      found = left.findIndex((old) => old.matches("summary"));
+      if (found >= 0) left[found].textContent = part.textContent;
     }
     return found >= 0 ? { here: left.splice(found, 1)[0] } : { here: part, isNew: true };
   });

@@ -261,7 +261,7 @@ class PanelView {
     } else {
       for (let k = 0; k < px.length; k++) {
         if (!visible(k) || (pass === 1) !== mine(k)) continue;
-        if (s.mark === "points") point(ctx, s, px[k], py[k], 3.6 * strong * ratio, ratio);
+        if (s.mark === "points") point(ctx, s, px[k], py[k], 3.6 * (s.sizes?.[k] ?? 1) * strong * ratio, ratio);
         else if (s.mark === "dots") {
           ctx.save();
           ctx.globalAlpha *= 0.55;

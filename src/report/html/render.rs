@@ -61,21 +61,56 @@ const SCRIPT: &str = concat!(
 /// A page as text; the same page is the same text.
 pub fn text(page: &Page) -> String {
     let (body, ids, figures) = written(|body| body.page(page));
-    let data = island(&json!({ "ids": ids.names(), "tones": figure::tones(), "figures": figures }));
-    let title = escaped(&format!("{}: {}", page.command, page.title));
-    let policy = format!(
-        "default-src 'none'; script-src '{}'; style-src '{}'; img-src data:; base-uri 'none'; form-action 'none'",
-        hash_source(SCRIPT),
-        hash_source(STYLE)
-    );
+    let data = json!({ "ids": ids.names(), "tones": figure::tones(), "figures": figures });
+    let title = format!("{}: {}", page.command, page.title);
+    document(&Frame { title, body: &body, style: "", script: "", data, asks: false })
+}
+
+/// What a page is made of.
+#[derive(Debug)]
+pub struct Frame<'f> {
+    /// Its title.
+    pub title: String,
+    /// What stands in it: markup in which every text is escaped.
+    pub body: &'f str,
+    /// What it has beside the style of every page.
+    pub style: &'f str,
+    /// What runs after the script of every page.
+    pub script: &'f str,
+    /// What the scripts know.
+    pub data: Value,
+    /// Whether it may ask the program that it comes from.
+    pub asks: bool,
+}
+
+/// A page with a script of its own, which puts fragments into its body.
+pub fn application(frame: &Frame) -> String {
+    let data = json!({ "ids": [], "tones": figure::tones(), "figures": [], "explore": frame.data });
+    document(&Frame { title: frame.title.clone(), data, ..*frame })
+}
+
+/// What a page forbids itself: everything but its own script and style, which are named by their hashes.
+pub fn policy(frame: &Frame) -> String {
+    let (script, style) = (format!("{SCRIPT}{}", frame.script), format!("{STYLE}{}", frame.style));
+    let asks = if frame.asks { "; connect-src 'self'" } else { "" };
+    format!(
+        "default-src 'none'; script-src '{}'; style-src '{}'; img-src data:; base-uri 'none'; form-action 'none'{asks}",
+        hash_source(&script),
+        hash_source(&style)
+    )
+}
+
+fn document(frame: &Frame) -> String {
+    let (title, data, policy) = (escaped(&frame.title), island(&frame.data), policy(frame));
+    let Frame { body, style, script, .. } = frame;
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta http-equiv=\"Content-Security-Policy\" content=\"{policy}\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <meta name=\"color-scheme\" content=\"light dark\">\n<meta name=\"referrer\" content=\"no-referrer\">\n\
          <meta name=\"generator\" content=\"gearwise {version}\">\n<link rel=\"icon\" href=\"data:,\">\n\
-         <title>{title}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n{body}\
-         <script type=\"application/json\" id=\"data\">{data}</script>\n<script>{SCRIPT}</script>\n</body>\n</html>\n",
+         <title>{title}</title>\n<style>{STYLE}{style}</style>\n</head>\n<body>\n{body}\
+         <script type=\"application/json\" id=\"data\">{data}</script>\n<script>{SCRIPT}{script}</script>\n</body>\n</html>\n",
         version = env!("CARGO_PKG_VERSION"),
     )
 }

@@ -41,20 +41,7 @@ fn name(motor: &Motor, gear: Option<&str>, ratio: f64) -> String {
 
 /// The pictures of an explanation: torque over speed, objective and limits over the ratio, temperature.
 pub fn explained(robot: &Robot, story: &Explanation) -> Figure {
-    let spring = story.spring.as_ref().and_then(|s| s.as_ref().ok());
-    let joint = with_spring(story.joint, spring.map(|s| (s.stiffness, s.rest_angle.unwrap_or(0.0))));
     let ratio = story.evaluation.ratio;
-    let optimum = story.best.as_ref().and_then(|b| b.as_ref().ok());
-    let panels = with_prepared(robot, &joint, story.motor, story.gear, |prepared| {
-        let mut panels = vec![torque_speed::panel(prepared, ratio, "torque over speed".into())];
-        panels.push(temperature::panel(prepared, ratio));
-        if let Some((min, max)) = joint.ratio.range() {
-            let all = over_ratio::evaluations(prepared, over_ratio::range(optimum, ratio, (min, max)));
-            panels.push(over_ratio::objective(prepared, &all, optimum, ratio));
-            panels.push(over_ratio::limits(&all, optimum, ratio));
-        }
-        panels
-    });
     let title = format!("{}: {}", story.joint.name, name(story.motor, story.gear.map(|g| g.id.as_str()), ratio));
     let state = match (story.evaluation.feasible, story.is_choice()) {
         (false, _) => "Some limit is exceeded. ",
@@ -65,9 +52,54 @@ pub fn explained(robot: &Robot, story: &Explanation) -> Figure {
         title,
         caption: format!("{state}{}", torque_speed::CAPTION),
         own_legends: true,
-        panels: panels.unwrap_or_default(),
+        panels: panels_of(robot, story),
     };
     Figure { groups: vec![group], columns: 2, panel: (560.0, 400.0), ..Figure::default() }
+}
+
+/// The diagrams of one design, without a title, so that those of another one can take their place.
+pub fn looked_at(robot: &Robot, story: &Explanation) -> Figure {
+    let group = Group { own_legends: true, panels: panels_of(robot, story), ..Group::default() };
+    Figure { groups: vec![group], columns: 2, panel: (560.0, 400.0), ..Figure::default() }
+}
+
+/// Torque over speed of several designs, next to each other.
+pub fn side_by_side(designs: &[(&Robot, &Explanation)]) -> Figure {
+    let one = |(robot, story): &(&Robot, &Explanation)| {
+        let ratio = story.evaluation.ratio;
+        let title = format!("{}: {}", story.joint.name, name(story.motor, story.gear.map(|g| g.id.as_str()), ratio));
+        with_story(robot, story, |prepared| torque_speed::panel(prepared, ratio, title))
+    };
+    let panels = designs.iter().filter_map(one).collect();
+    let group = Group { own_legends: true, panels, ..Group::default() };
+    Figure { groups: vec![group], columns: 2, panel: (560.0, 400.0), ..Figure::default() }
+}
+
+/// Prepares the motor of a story, with its spring, and looks at it.
+fn with_story<T>(robot: &Robot, story: &Explanation, look: impl FnOnce(&Prepared) -> T) -> Option<T> {
+    let spring = story.spring.as_ref().and_then(|s| s.as_ref().ok());
+    let joint = with_spring(story.joint, spring.map(|s| (s.stiffness, s.rest_angle.unwrap_or(0.0))));
+    with_prepared(robot, &joint, story.motor, story.gear, look)
+}
+
+fn panels_of(robot: &Robot, story: &Explanation) -> Vec<Panel> {
+    let ratio = story.evaluation.ratio;
+    let optimum = story.best.as_ref().and_then(|b| b.as_ref().ok());
+    let panels = with_story(robot, story, |prepared| {
+        let title = "torque over speed".into();
+        let mut panels = vec![torque_speed::panel(prepared, ratio, title), temperature::panel(prepared, ratio)];
+        panels.extend(of_ratios(prepared, optimum, ratio));
+        panels
+    });
+    panels.unwrap_or_default()
+}
+
+/// Objective and limits over the ratio, where it is free.
+fn of_ratios(prepared: &Prepared, optimum: Option<&Optimum>, ratio: f64) -> Vec<Panel> {
+    let range = prepared.candidate.joint.ratio.range().filter(|_| prepared.candidate.catalog_gear.is_none());
+    let Some(range) = range else { return Vec::new() };
+    let all = over_ratio::evaluations(prepared, over_ratio::range(optimum, ratio, range));
+    vec![over_ratio::objective(prepared, &all, optimum, ratio), over_ratio::limits(&all, optimum, ratio)]
 }
 
 /// The pictures of an optimisation: per joint the objective of the first designs over the ratio, and the

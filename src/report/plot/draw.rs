@@ -297,7 +297,7 @@ fn draw_series(pen: &mut Pen, axes: &Axes, series: &Series, line: &'static str) 
         }
         Mark::Points(shape) => {
             let colours = colours(tone, shape, series.hollow);
-            held().for_each(|(k, p)| pen.shape(axes.at(*p), shape, 3.6, colours, note(k)));
+            held().for_each(|(k, p)| pen.shape(axes.at(*p), shape, 3.6 * series.size(k), colours, note(k)));
         }
         Mark::Line(dash) => pen.line(&through(), line, 2.0, dash, note(0)),
         Mark::Thin(dash) => pen.line(&through(), tone.colour(), 1.0, dash, note(0)),

@@ -26,6 +26,7 @@ pub mod step;
 pub mod sweep;
 pub mod temperature;
 pub mod torque_speed;
+pub mod trade;
 
 use std::path::Path;
 
@@ -232,6 +233,8 @@ pub struct Series {
     pub along: String,
     /// Whether its marks are hollow: what they stand for rests on an estimate.
     pub hollow: bool,
+    /// How large the mark of each point is, over the usual one; empty for all alike.
+    pub sizes: Vec<f64>,
 }
 
 impl Series {
@@ -247,6 +250,7 @@ impl Series {
             notes: Vec::new(),
             along: String::new(),
             hollow: false,
+            sizes: Vec::new(),
         }
     }
 
@@ -289,6 +293,18 @@ impl Series {
     pub fn hollow(mut self, estimated: bool) -> Series {
         self.hollow = estimated;
         self
+    }
+
+    /// With marks of these sizes, each over the usual one.
+    #[must_use]
+    pub fn sized(mut self, sizes: Vec<f64>) -> Series {
+        self.sizes = sizes;
+        self
+    }
+
+    /// How large the k-th point's mark is, over the usual one.
+    pub fn size(&self, k: usize) -> f64 {
+        self.sizes.get(k).copied().unwrap_or(1.0)
     }
 
     /// The id of the k-th point.

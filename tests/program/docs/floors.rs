@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use crate::common::repository;
 
 /// Every room, from the top: each may import from those before it.
-const ROOMS: [&str; 21] = [
+const ROOMS: [&str; 22] = [
     "words",
     "units",
     "output",
@@ -28,6 +28,7 @@ const ROOMS: [&str; 21] = [
     "report",
     "ask",
     "study",
+    "explore",
     "pages",
     "cli",
 ];

@@ -1,0 +1,528 @@
+//! The design space of one requirement, asked again and again: what a page with sliders shows.
+//!
+//! The one idea: a question is a state (values in the place of the requirement's own, and what is looked at), and its answer is made
+//! of the parts that the pages of `optimize` and `explain` are made of. The joint that is viewed is answered first, all others after
+//! it; a newer question of the same page stops an older one. What was found for a joint is kept by what was asked of it. Nothing
+//! here opens a file, a connection or a clock: the requirement's files were read before, and whoever asks brings threads and time.
+
+pub mod controls;
+mod files;
+pub mod grid;
+mod page;
+pub mod state;
+pub mod work;
+
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use serde_json::{Map, Value, json};
+
+use crate::ask::optimize::{Asked, Names, Optimized, Ready, optimize};
+use crate::ask::{Answer, Failure, Rows, Watch, chosen, pareto};
+use crate::design::answer::JointResult;
+use crate::design::explain::{Explanation, look};
+use crate::input::{InputError, Source};
+use crate::report::html::explore::{self as view, First};
+use crate::report::html::{self, Part};
+use crate::requirement::{Balancing, Joint, RatioChoice, Robot, Settings};
+use crate::study::worker::Store;
+pub use page::Demo;
+use state::{Ask, Wrong};
+use work::{Course, Work};
+
+/// Joints of which is kept what was found.
+const KEPT: usize = 64;
+/// Pages whose newest question is known.
+const TABS: usize = 64;
+/// Ratios along each motor's front.
+const FRONT: usize = 33;
+
+/// What is explored.
+#[derive(Debug)]
+pub struct Ground {
+    /// The requirement.
+    pub source: Arc<Source>,
+    /// What is set by the call already.
+    pub set: Settings,
+    /// The motors.
+    pub rows: Rows,
+    /// The words of a call of `optimize` that chooses from the same: file and catalogue.
+    pub words: Vec<String>,
+}
+
+/// Answers questions about one requirement.
+pub struct Explorer {
+    ground: Ground,
+    store: Store,
+    /// The requirement as it is in its file.
+    file: Robot,
+    kept: Mutex<Vec<(String, Arc<Optimized>)>>,
+    newest: Mutex<Vec<(String, Arc<Course>)>>,
+    /// How the words of a call are written.
+    call: fn(Vec<String>) -> String,
+}
+
+impl std::fmt::Debug for Explorer {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Explorer").field("ground", &self.ground).finish_non_exhaustive()
+    }
+}
+
+/// The requirement with what a question sets.
+struct Read {
+    robot: Robot,
+    /// The place of the joint that is viewed.
+    place: usize,
+    wrong: Vec<Wrong>,
+}
+
+impl Explorer {
+    /// Reads a requirement, with every file that it names.
+    ///
+    /// # Errors
+    /// Every mistake of them.
+    pub fn new(ground: Ground, call: fn(Vec<String>) -> String) -> Result<Explorer, Failure> {
+        let store = Store::default();
+        let base = PathBuf::new();
+        let file = ground.set.read_with(&ground.source, None, &mut store.reading(&base))?;
+        ground.rows.for_robot(&file)?;
+        Ok(Explorer { ground, store, file, kept: Mutex::default(), newest: Mutex::default(), call })
+    }
+
+    /// The requirement as it is in its file.
+    pub fn robot(&self) -> &Robot {
+        &self.file
+    }
+
+    /// A question of the page, as JSON: it stops what the same page asked before. `announce` is called whenever [`Work::next`] has
+    /// something new.
+    ///
+    /// # Errors
+    /// In words: what is no question.
+    pub fn begin(&self, body: &str, announce: Box<dyn Fn() + Send + Sync>) -> Result<Work, String> {
+        let work = Work::new(Ask::read(body)?, announce);
+        let mut newest = self.newest.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(at) = newest.iter().position(|(tab, _)| *tab == work.ask.tab) {
+            newest.remove(at).1.stop();
+        }
+        if newest.len() == TABS {
+            newest.remove(0);
+        }
+        newest.push((work.ask.tab.clone(), work.course.clone()));
+        drop(newest);
+        Ok(work)
+    }
+
+    /// Works on a question until it is answered or stale. Input cannot break it; what does is told.
+    pub fn run(&self, work: &Work) {
+        let done = catch_unwind(AssertUnwindSafe(|| self.answer(work)));
+        match done {
+            Ok(Ok(())) | Ok(Err(Failure::Interrupted(_))) => work.end(),
+            Ok(Err(failure)) => {
+                let message = words(&failure);
+                work.reply(json!({ "ask": work.ask.ask, "problems": [problem(&Wrong::of("", message))] }).to_string());
+                work.end();
+            }
+            Err(_) => {
+                let keys: Vec<&str> = work.ask.state.keys().map(String::as_str).collect();
+                work.broke(format!("the program broke at what is set: {}", keys.join(", ")));
+            }
+        }
+    }
+
+    fn answer(&self, work: &Work) -> Result<(), Failure> {
+        let mut ask = work.ask.clone();
+        let Read { robot, place, mut wrong } = match self.read(&mut ask) {
+            Ok(read) => read,
+            Err(wrong) => {
+                let problems: Vec<Value> = wrong.iter().map(problem).collect();
+                work.reply(json!({ "ask": ask.ask, "problems": problems }).to_string());
+                return Ok(());
+            }
+        };
+        let found = self.found(&ask, &robot, place, &work.course)?;
+        let result = &found.found().result.joints[0];
+        let changed = !ask.state.is_empty();
+        let before = if changed { self.known(&Ask::default(), place).map(|of| first(&of)) } else { None };
+        let mut views = Map::new();
+        let story = self.story(&found, &ask.design).unwrap_or_else(|why| {
+            wrong.push(Wrong::of("design", why));
+            self.story(&found, "").unwrap_or(Ok(None))
+        });
+        let looked = match &story {
+            Ok(Some(story)) => view::design(found.robot(), story),
+            Ok(None) => vec![Part::Text("Choose a motor to see what keeps it from being a choice.".into())],
+            Err(why) => vec![Part::Text(why.clone())],
+        };
+        views.insert("design".into(), html::fragment(&looked));
+        if !ask.design_only {
+            let parts = view::headline(found.robot(), result, before.as_ref().map(Option::as_ref));
+            views.insert("headline".into(), html::fragment(&parts));
+            views.insert("ranking".into(), html::fragment(&view::ranking(result)));
+        }
+        let pins = self.pinned(&ask, &work.course, &mut wrong)?;
+        views.insert("pins".into(), html::fragment(&pins));
+        let joint = &robot.joints[place];
+        let own = self.file.joints.get(place).filter(|own| own.name == joint.name).unwrap_or(joint);
+        let mut reply = json!({
+            "ask": ask.ask, "joint": joint.name, "state": ask.state, "problems": wrong.iter().map(problem).collect::<Vec<_>>(),
+            "controls": controls::json((&self.file, own), (&robot, joint)), "objective": objective(joint),
+            "references": references(result), "notes": self.notes(&robot),
+            "joints": [short(result)], "design": described(story.as_ref().ok().and_then(Option::as_ref), result),
+            "views": views, "pending": true,
+        });
+        if ask.design_only {
+            reply["pending"] = json!(false);
+        }
+        work.reply(reply.to_string());
+        if ask.design_only {
+            return Ok(());
+        }
+        let more = json!({
+            "others": html::fragment(&view::others(result)), "trade": html::fragment(&[view::trade(result)]),
+        });
+        work.reply(json!({ "ask": ask.ask, "views": more, "pending": true }).to_string());
+        if changed && before.is_none() {
+            // What the file chooses, to compare with.
+            let plain = self.found(&Ask::default(), &self.file, place.min(self.file.joints.len() - 1), &work.course)?;
+            let parts = view::headline(found.robot(), result, Some(first(&plain).as_ref()));
+            let views = json!({ "headline": html::fragment(&parts) });
+            work.reply(json!({ "ask": ask.ask, "views": views, "pending": true }).to_string());
+        }
+        for other in (0..robot.joints.len()).filter(|other| *other != place) {
+            let found = self.found(&ask, &robot, other, &work.course)?;
+            let joints = [short(&found.found().result.joints[0])];
+            work.reply(json!({ "ask": ask.ask, "joints": joints, "pending": true }).to_string());
+        }
+        work.reply(json!({ "ask": ask.ask, "pending": false }).to_string());
+        Ok(())
+    }
+
+    /// The requirement with what a question sets. Of a lenient question what is wrong is left out of it, and told.
+    fn read(&self, ask: &mut Ask) -> Result<Read, Vec<Wrong>> {
+        let mut wrong = Vec::new();
+        let robot = match self.robot_of(&ask.state) {
+            Ok(robot) => robot,
+            Err(why) if !ask.lenient => return Err(why),
+            Err(_) => {
+                let mut kept = BTreeMap::new();
+                let mut left: Vec<(String, String)> = std::mem::take(&mut ask.state).into_iter().collect();
+                // A value may need another one that stands behind it.
+                for last in [false, true] {
+                    for (key, value) in std::mem::take(&mut left) {
+                        let mut with = kept.clone();
+                        with.insert(key.clone(), value.clone());
+                        match self.robot_of(&with) {
+                            Ok(_) => kept = with,
+                            Err(why) if last => wrong.extend(why.into_iter().map(|w| Wrong { key: key.clone(), ..w })),
+                            Err(_) => left.push((key, value)),
+                        }
+                    }
+                }
+                let robot = self.robot_of(&kept)?;
+                ask.state = kept;
+                robot
+            }
+        };
+        let place = robot.joints.iter().position(|joint| joint.name == ask.joint);
+        if place.is_none() && !ask.joint.is_empty() {
+            wrong.push(Wrong::of("joint", format!("there is no joint `{}`", ask.joint)));
+        }
+        Ok(Read { robot, place: place.unwrap_or(0), wrong })
+    }
+
+    /// The requirement with values in the place of its own.
+    fn robot_of(&self, state: &BTreeMap<String, String>) -> Result<Robot, Vec<Wrong>> {
+        let settings = state::settings(&self.ground.set, state)?;
+        let before = self.ground.set.parts().1.len();
+        let homes = settings.parts().1[before..].to_vec();
+        let key_of = |error: &InputError| {
+            let home = homes.iter().position(|home| Arc::ptr_eq(home, &error.source));
+            home.and_then(|k| state.keys().nth(k)).cloned().unwrap_or_default()
+        };
+        let base = PathBuf::new();
+        let mut known = files::Known { store: &self.store, reading: self.store.reading(&base) };
+        let robot = settings.read_with(&self.ground.source, None, &mut known).map_err(|errors| {
+            let of = |error: &InputError| {
+                let key = key_of(error);
+                let one = |p: &crate::input::Problem| Wrong {
+                    key: key.clone(),
+                    message: p.message.clone(),
+                    help: p.help.clone().unwrap_or_default(),
+                };
+                error.problems.iter().map(one).collect::<Vec<_>>()
+            };
+            errors.iter().flat_map(of).collect::<Vec<_>>()
+        })?;
+        if robot.rules != self.file.rules {
+            let key = state.keys().find(|key| key.starts_with("rules")).cloned().unwrap_or_default();
+            return Err(vec![Wrong::of(&key, files::REFUSED)]);
+        }
+        Ok(robot)
+    }
+
+    /// The key of what is kept for a joint.
+    fn key(&self, ask: &Ask, robot: &Robot, place: usize) -> String {
+        let names: Vec<&str> = robot.joints.iter().map(|joint| joint.name.as_str()).collect();
+        ask.of_joint(names[place], &names, robot.is_coupled())
+    }
+
+    /// What is kept of a question by the file's joints.
+    fn known(&self, ask: &Ask, place: usize) -> Option<Arc<Optimized>> {
+        let place = place.min(self.file.joints.len().saturating_sub(1));
+        let key = self.key(ask, &self.file, place);
+        let kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.iter().find(|(known, _)| *known == key).map(|(_, found)| found.clone())
+    }
+
+    /// What is found for a joint; it may be known.
+    fn found(&self, ask: &Ask, robot: &Robot, place: usize, course: &Arc<Course>) -> Result<Arc<Optimized>, Failure> {
+        let key = self.key(ask, robot, place);
+        {
+            let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+            if let Some(at) = kept.iter().position(|(known, _)| *known == key) {
+                let last = kept.remove(at);
+                let found = last.1.clone();
+                kept.push(last);
+                return Ok(found);
+            }
+        }
+        let asked = Asked { joint: Some(place), ..Asked::default() };
+        let watch = || {
+            let (step, stop) = (course.clone(), course.clone());
+            let tick = Box::new(move || step.step());
+            Watch { tick, stop: Box::new(move || stop.is_stopped()), ..Watch::default() }
+        };
+        let catalog = self.ground.rows.for_robot(robot)?;
+        course.begin(catalog.motors.len());
+        let ready = Ready::of(robot.clone(), catalog, &asked, false, &watch())?;
+        let names = Names { requirement: "".as_ref(), given: None, catalog: &[] };
+        let found = Arc::new(optimize(ready, &asked, names, watch())?);
+        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        if kept.len() == KEPT {
+            kept.remove(0);
+        }
+        kept.push((key, found.clone()));
+        Ok(found)
+    }
+
+    /// A design of a joint; `design` as `explain` names it, the first choice where it is empty. `Ok(Ok(None))` where there is nothing
+    /// to look at, `Ok(Err)` in words why it cannot be looked at.
+    fn story<'f>(&self, found: &'f Optimized, design: &str) -> Result<Result<Option<Explanation<'f>>, String>, String> {
+        let (robot, catalog) = (found.robot(), found.catalog());
+        let result = &found.found().result.joints[0];
+        let joint = result.joint;
+        let first = || result.candidates.first().or_else(|| result.designs().next());
+        let by_name = |motor: &str| result.designs().find(|d| d.motor.id == motor);
+        let told = |story: Result<Explanation<'f>, crate::design::Unusable>, motor: &str| {
+            story.map(Some).map_err(|why| format!("{motor} is no candidate at this joint: {}.", why.reason()))
+        };
+        let of_design = |d: &'f crate::design::answer::Design<'f>| {
+            let gear = d.gear.and_then(|id| catalog.gear_of(d.motor, id));
+            let best = Ok((&d.optimum, d.spring));
+            told(look(robot, joint, (d.motor, gear), None, best), &d.motor.id)
+        };
+        if design.is_empty() {
+            return Ok(first().map_or(Ok(None), of_design));
+        }
+        let named = chosen::id(design);
+        if design == named
+            && let Some(known) = by_name(named)
+        {
+            return Ok(of_design(known));
+        }
+        let rejected = result.rejected.iter().find(|r| r.motor.id == named);
+        if let Some(rejected) = rejected.filter(|_| design == named) {
+            let gear = rejected.gear.and_then(|id| catalog.gear_of(rejected.motor, id));
+            let story = look(robot, joint, (rejected.motor, gear), None, Err(&rejected.reason));
+            return Ok(told(story, named).map_err(|_| self.why(rejected, joint)));
+        }
+        let chosen::Chosen { motor, gear, ratio } = chosen::design(design, joint, catalog).map_err(|f| words(&f))?;
+        let same = |id: Option<&str>| gear.is_none_or(|gear| id == Some(gear.id.as_str()));
+        let known = result.designs().find(|d| d.motor.id == motor.id && same(d.gear));
+        let best = match (known, rejected) {
+            (Some(known), _) => Ok((&known.optimum, known.spring)),
+            (None, Some(rejected)) => Err(&rejected.reason),
+            (None, None) => return Err(format!("{} is not among the motors of this joint", motor.id)),
+        };
+        Ok(told(look(robot, joint, (motor, gear), ratio, best), &motor.id))
+    }
+
+    /// Why a motor is no candidate, in words.
+    fn why(&self, rejected: &crate::design::answer::Rejected, joint: &Joint) -> String {
+        format!("{}: {}.", rejected.motor.id, crate::report::reason::reason_text(&rejected.reason, joint).1)
+    }
+
+    /// Pinned designs next to each other.
+    fn pinned(&self, ask: &Ask, course: &Arc<Course>, wrong: &mut Vec<Wrong>) -> Result<Vec<Part>, Failure> {
+        let mut held = Vec::new();
+        for pin in &ask.pins {
+            let mut of = match Ask::of_link(pin) {
+                Ok(of) => of,
+                Err(why) => {
+                    wrong.push(Wrong::of("pin", why));
+                    continue;
+                }
+            };
+            match self.read(&mut of) {
+                Ok(Read { robot, place, wrong: left }) => {
+                    wrong.extend(left.into_iter().map(|w| Wrong { key: "pin".into(), ..w }));
+                    held.push((self.found(&of, &robot, place, course)?, of.design));
+                }
+                Err(why) => wrong.extend(why.into_iter().map(|w| Wrong { key: "pin".into(), ..w })),
+            }
+        }
+        let mut stories = Vec::new();
+        for (found, design) in &held {
+            match self.story(found, design) {
+                Ok(Ok(Some(story))) => stories.push((found.robot(), story)),
+                Ok(Ok(None)) => wrong.push(Wrong::of("pin", "there is no design to look at")),
+                Ok(Err(why)) | Err(why) => wrong.push(Wrong::of("pin", why)),
+            }
+        }
+        let stories: Vec<_> = stories.iter().map(|(robot, story)| (*robot, story)).collect();
+        Ok(view::pinned(&stories))
+    }
+
+    /// What is not looked at here.
+    fn notes(&self, robot: &Robot) -> Vec<String> {
+        let mut notes = Vec::new();
+        if robot.is_coupled() {
+            notes.push(
+                "These joints depend on each other (a budget, a shared supply, or actuators that carry actuators). Each is taken by \
+                itself here; `gearwise optimize` looks at the whole robot."
+                    .to_string(),
+            );
+        }
+        if robot.rules.is_some() {
+            notes.push(
+                "Of the requirement's rules those that bound a limit are kept here; `gearwise optimize` and `gearwise check` look at \
+                all."
+                    .into(),
+            );
+        }
+        notes
+    }
+
+    /// The file of a state, with its comments.
+    ///
+    /// # Errors
+    /// What is wrong with the state.
+    pub fn toml(&self, body: &str) -> Result<String, Vec<Wrong>> {
+        let ask = Ask::read(body).map_err(|why| vec![Wrong::of("", why)])?;
+        self.robot_of(&ask.state)?;
+        let settings = state::settings(&self.ground.set, &ask.state)?;
+        let base = PathBuf::new();
+        Ok(settings.to_toml(&self.ground.source, &mut self.store.reading(&base)))
+    }
+
+    /// The page of `optimize --html` for a state.
+    ///
+    /// # Errors
+    /// What is wrong with the state.
+    pub fn report(&self, body: &str) -> Result<String, Vec<Wrong>> {
+        let whole = |failure: Failure| vec![Wrong::of("", words(&failure))];
+        let ask = Ask::read(body).map_err(|why| vec![Wrong::of("", why)])?;
+        let robot = self.robot_of(&ask.state)?;
+        let asked = Asked { runner_ups: 3, with_costs: true, ..Asked::default() };
+        let catalog = self.ground.rows.for_robot(&robot).map_err(whole)?;
+        let ready = Ready::of(robot, catalog, &asked, false, &Watch::default()).map_err(whole)?;
+        let names = Names { requirement: "".as_ref(), given: None, catalog: &[] };
+        let found = optimize(ready, &asked, names, Watch::default()).map_err(whole)?;
+        let mut words = self.ground.words.clone();
+        words.extend(ask.state.iter().flat_map(|(key, value)| ["--set".into(), format!("{key}={value}")]));
+        Ok(html::text(&found.whole_page(&(self.call)(words))))
+    }
+
+    /// The fronts of loss, mass and inertia of the viewed joint, as a fragment of the page.
+    ///
+    /// # Errors
+    /// What is wrong with the state.
+    pub fn fronts(&self, body: &str) -> Result<Value, Vec<Wrong>> {
+        let whole = |failure: Failure| vec![Wrong::of("", words(&failure))];
+        let mut ask = Ask::read(body).map_err(|why| vec![Wrong::of("", why)])?;
+        let Read { mut robot, place, .. } = self.read(&mut ask)?;
+        let catalog = self.ground.rows.for_robot(&robot).map_err(whole)?;
+        // The fronts of one joint: whom it carries does not change them.
+        let joint = robot.joints.swap_remove(place);
+        robot.joints = vec![Joint { carries: Vec::new(), phases: Vec::new(), ..joint }];
+        robot.budget = crate::requirement::Budget::default();
+        let quantities =
+            pareto::quantities(["loss", "mass", "reflected_inertia"]).map_err(|why| vec![Wrong::of("", why)])?;
+        let ready = Ready::of(robot, catalog, &Asked::default(), true, &Watch::default()).map_err(whole)?;
+        let fronts = pareto::pareto(ready, &quantities, FRONT, false, Watch::default()).map_err(whole)?;
+        let page = fronts.page();
+        let parts: Vec<Part> =
+            page.summary.into_iter().chain(page.sections.into_iter().flat_map(|s| s.parts)).collect();
+        Ok(html::fragment(&parts))
+    }
+
+    /// The page.
+    pub fn page(&self, link: &str) -> (String, String) {
+        page::live(self, link)
+    }
+}
+
+/// The first choice of what was found for a joint.
+fn first(found: &Optimized) -> Option<First> {
+    found.found().result.joints[0].candidates.first().map(First::of)
+}
+
+/// A failure in words.
+fn words(failure: &Failure) -> String {
+    match failure {
+        Failure::Argument(why) | Failure::Interrupted(why) => why.clone(),
+        Failure::Input(errors) => {
+            let all = errors.iter().flat_map(|error| &error.problems).map(|p| p.message.clone());
+            all.collect::<Vec<_>>().join("; ")
+        }
+    }
+}
+
+fn problem(wrong: &Wrong) -> Value {
+    json!({ "key": wrong.key, "message": wrong.message, "help": wrong.help })
+}
+
+/// A joint in a row of all.
+fn short(result: &JointResult) -> Value {
+    let first = result.candidates.first();
+    json!({
+        "joint": result.joint.name, "count": result.joint.count, "satisfied": first.is_some(), "text": view::in_short(result),
+        "ratio": first.map(|d| d.evaluation.ratio), "motor": first.map(|d| d.motor.id.clone()),
+    })
+}
+
+/// What is looked at, for the slider of the ratio.
+fn described(story: Option<&Explanation>, result: &JointResult) -> Value {
+    let Some(story) = story else { return Value::Null };
+    let joint = result.joint;
+    let free = match joint.ratio {
+        RatioChoice::Continuous { min, max } if story.gear.is_none() && story.motor.inside.is_none() => {
+            Some([min, max])
+        }
+        _ => None,
+    };
+    let best = story.best.as_ref().and_then(|best| best.as_ref().ok()).map(|optimum| optimum.ratio);
+    json!({
+        "motor": story.motor.id, "gear": story.gear.map(|gear| gear.id.clone()), "ratio": story.evaluation.ratio, "range": free,
+        "best": best, "choice": story.is_choice(), "feasible": story.evaluation.feasible,
+    })
+}
+
+/// The objective of a joint, as the page chooses it: the name of a single one, else nothing.
+fn objective(joint: &Joint) -> Value {
+    let sole = match joint.balancing {
+        Balancing::No => joint.objective.sole().map(|quantity| quantity.name()),
+        _ => Some("balanced"),
+    };
+    json!({ "key": controls::OBJECTIVE.replace(controls::JOINT, &joint.name), "sole": sole })
+}
+
+/// Loss, mass and inertia of the first choice, as references of weights.
+fn references(result: &JointResult) -> Value {
+    let Some(first) = result.candidates.first() else { return Value::Null };
+    let e = &first.evaluation;
+    json!({ "loss": [e.loss, "W"], "mass": [e.mass, "kg"], "reflected_inertia": [e.reflected_inertia, "kg*m^2"] })
+}

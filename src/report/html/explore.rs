@@ -1,0 +1,177 @@
+//! What a page that goes on asking shows of a joint: the same tables and diagrams as the pages of `optimize` and `explain`.
+
+use super::optimize::{asked_of, candidates, none_text};
+use super::{Part, Table, explain};
+use crate::design::answer::{Design, JointResult};
+use crate::design::explain::Explanation;
+use crate::design::program::Certificate;
+use crate::report::explain::quantities;
+use crate::report::number;
+use crate::report::optimize::{choice_text, without_choice};
+use crate::report::plot::{Figure, Group, design as plot, trade};
+use crate::report::said::{joint_notes, per_cent};
+use crate::requirement::{Joint, Robot};
+
+/// The first choice of a joint as facts, to be compared with that of another state.
+#[derive(Debug, Clone, PartialEq)]
+pub struct First {
+    /// The motor.
+    pub motor: String,
+    /// The design in words.
+    pub words: String,
+    /// Its ratio.
+    pub ratio: f64,
+    /// Its objective, in the unit of that.
+    pub objective: f64,
+    /// Its loss \[W\].
+    pub loss: f64,
+    /// Its mass \[kg\].
+    pub mass: Option<f64>,
+}
+
+impl First {
+    /// Of a design.
+    pub fn of(design: &Design) -> First {
+        First {
+            motor: design.motor.id.clone(),
+            words: choice_text(design),
+            ratio: design.evaluation.ratio,
+            objective: design.optimum.objective,
+            loss: design.evaluation.loss,
+            mass: design.evaluation.mass,
+        }
+    }
+}
+
+/// What the first choice is of, as far as it is known.
+fn proved(design: &Design) -> &'static str {
+    match design.optimum.certificate {
+        Certificate::Certified { .. } => "its ratio is proved to be the best",
+        Certificate::NotCertified(_) => "its ratio is not proved to be the best",
+    }
+}
+
+/// The objective of a design, with its unit.
+fn objective(joint: &Joint, value: f64) -> String {
+    match joint.objective.unit() {
+        "1" => format!("{} {}", joint.goal(), number(value)),
+        unit => format!("{} {} {unit}", joint.goal(), number(value)),
+    }
+}
+
+/// The answer in short; `before` is what is chosen by the file as it is, where something is set.
+pub fn headline(robot: &Robot, result: &JointResult, before: Option<Option<&First>>) -> Vec<Part> {
+    let joint = result.joint;
+    let mut parts = Vec::new();
+    let first = result.candidates.first();
+    parts.push(Part::Text(match first {
+        Some(design) => {
+            format!("Take {}: {}; {}.", choice_text(design), objective(joint, design.optimum.objective), proved(design))
+        }
+        None => {
+            let alone = crate::design::answer::RobotResult { robot, joints: vec![result.clone()] };
+            without_choice(&alone, "No").join(". ") + "."
+        }
+    }));
+    parts.push(Part::Text(asked_of(result)));
+    match (first, before) {
+        (Some(now), Some(Some(before))) => parts.push(Part::Text(against(joint, now, before))),
+        (Some(_), Some(None)) => parts.push(Part::Text("By the file as it is no motor can do it.".into())),
+        (None, Some(Some(before))) => parts.push(Part::Text(format!("By the file as it is: {}.", before.words))),
+        _ => {}
+    }
+    let notes = joint_notes(joint, false);
+    if !notes.is_empty() {
+        parts.push(Part::List(notes));
+    }
+    parts
+}
+
+/// A first choice against that of the file.
+fn against(joint: &Joint, now: &Design, before: &First) -> String {
+    let (value, was) = (now.optimum.objective, before.objective);
+    let change = match was != 0.0 && was.is_finite() && value.is_finite() {
+        true if value == was => "the same".to_string(),
+        true if value > was => format!("{} more", per_cent(value / was - 1.0)),
+        true => format!("{} less", per_cent(1.0 - value / was)),
+        false => "not to be compared".into(),
+    };
+    let who = match before.motor == now.motor.id {
+        true => format!("the same motor at N = {}", number(before.ratio)),
+        false => before.words.clone(),
+    };
+    format!("By the file as it is: {who}, {}; now {change}.", objective(joint, was))
+}
+
+/// What stands of a joint in a row of all: the first choice, or that there is none.
+pub fn in_short(result: &JointResult) -> String {
+    result.candidates.first().map_or_else(|| none_text(result), choice_text)
+}
+
+/// The designs of a joint, the best first.
+pub fn ranking(result: &JointResult) -> Vec<Part> {
+    let mut parts: Vec<Part> = crate::report::balance::sentences(result).into_iter().map(Part::Text).collect();
+    parts.extend(candidates(result, &result.joint.name).part());
+    parts
+}
+
+/// Why the other motors are no choice.
+pub fn others(result: &JointResult) -> Vec<Part> {
+    super::optimize::others(result, None, &result.joint.name)
+}
+
+/// Loss, inertia and mass of every design.
+pub fn trade(result: &JointResult) -> Part {
+    let group = Group { panels: vec![trade::panel(result)], ..Group::default() };
+    Part::Figure(Figure { groups: vec![group], columns: 1, panel: (560.0, 400.0), ..Figure::default() })
+}
+
+/// A design that is looked at: how it stands, in a sentence, and all that is known of it.
+pub fn design(robot: &Robot, story: &Explanation) -> Vec<Part> {
+    let mut parts = vec![Part::Text(explain::headline(story))];
+    parts.extend(explain::looked_at(robot, story));
+    parts
+}
+
+/// Designs that were pinned, number by number, and the envelopes of both.
+pub fn pinned(designs: &[(&Robot, &Explanation)]) -> Vec<Part> {
+    let mut header = vec!["quantity".to_string(), "unit".to_string()];
+    header.extend(
+        designs.iter().map(|(_, story)| format!(">{} at N = {}", story.motor.id, number(story.evaluation.ratio))),
+    );
+    if designs.len() == 2 {
+        header.push(">difference".into());
+    }
+    let mut table = Table::new("Pinned designs", &header);
+    let all: Vec<_> = designs.iter().map(|(_, story)| quantities(story)).collect();
+    let Some((first, rest)) = all.split_first() else { return Vec::new() };
+    for (what, value, unit) in first {
+        let others = rest.iter().map(|of| of.iter().find(|(name, ..)| name == what).and_then(|(_, value, _)| *value));
+        let values: Vec<Option<f64>> = std::iter::once(*value).chain(others).collect();
+        let mut cells = vec![what.to_string(), unit.to_string()];
+        cells.extend(values.iter().map(|value| crate::report::optional(*value)));
+        if let [one, other] = values.as_slice() {
+            cells.push(difference(*one, *other));
+        }
+        table = table.rows([cells]);
+    }
+    let limits = |story: &Explanation| explain::headline(story);
+    let mut parts: Vec<Part> = vec![Part::List(designs.iter().map(|(_, story)| limits(story)).collect())];
+    parts.push(Part::Table(table));
+    parts.push(Part::Figure(plot::side_by_side(designs)));
+    parts
+}
+
+/// By how much the second number is more than the first.
+fn difference(one: Option<f64>, other: Option<f64>) -> String {
+    match (one, other) {
+        (Some(one), Some(other)) if one.is_finite() && other.is_finite() => match other - one {
+            0.0 => "0".into(),
+            more if one != 0.0 => {
+                format!("{} ({}{})", number(more), if more > 0.0 { "+" } else { "−" }, per_cent((more / one).abs()))
+            }
+            more => number(more),
+        },
+        _ => "–".into(),
+    }
+}
