@@ -165,7 +165,7 @@
   }
 
   // ---- controls
-  const digits = (value) => String(Number(value.toPrecision(3)));
+  const digits = (value, of = 3) => String(Number(value.toPrecision(of)));
   const numberOf = (text) => { const value = parseFloat(text); return Number.isFinite(value) ? value : null; };
   const withUnit = (value, unit) => (unit ? `${digits(value)} ${unit}` : digits(value));
   const print = (unit) => unit.replace("kg*m^2", "kg·m²").replace("degC", "°C").replace("N*m", "N·m");
@@ -333,8 +333,8 @@
     at("pin").hidden = !live || !design;
     if (!range) return;
     if (document.activeElement !== slider) slider.value = place({ low: range[0], high: range[1], log: true }, design.ratio);
-    slider.setAttribute("aria-valuetext", digits(design.ratio));
-    if (document.activeElement !== field) field.value = digits(design.ratio);
+    slider.setAttribute("aria-valuetext", digits(design.ratio, 4));
+    if (document.activeElement !== field) field.value = digits(design.ratio, 4);
     at("ratio-best").disabled = !design.best;
   }
   const tune = (text) => { if (shown.design) look(`${shown.design.motor}@${text}`); };
@@ -358,7 +358,7 @@
   function pinned() {
     at("held").hidden = !now.pins.length;
     at("pinned").replaceChildren(...now.pins.map((pin, k) => {
-      const { of } = ofLink(pin), box = make("span", "", "pinned"), name = of.design.replace(/@([\d.]+)$/, (_, n) => ` at N = ${digits(Number(n))}`);
+      const { of } = ofLink(pin), box = make("span", "", "pinned"), name = of.design.replace(/@([\d.]+)$/, (_, n) => ` at N = ${digits(Number(n), 4)}`);
       const values = Object.entries(of.state).map(([key, value]) => `${key.split(".").slice(-2).join(".")} ${value}`).join(", ");
       const go = Object.assign(make("button", "show"), { type: "button" }), drop = Object.assign(make("button", "×"), { type: "button" });
       go.setAttribute("aria-label", `show ${name}`);

@@ -6,10 +6,10 @@ use crate::design::answer::{Design, JointResult};
 use crate::design::explain::Explanation;
 use crate::design::program::Certificate;
 use crate::report::explain::quantities;
-use crate::report::number;
 use crate::report::optimize::{choice_text, without_choice};
 use crate::report::plot::{Figure, Group, design as plot, trade};
-use crate::report::said::{joint_notes, per_cent};
+use crate::report::said::{joint_notes, per_cent, with_gear};
+use crate::report::{design_ratio, number};
 use crate::requirement::{Joint, Robot};
 
 /// The first choice of a joint as facts, to be compared with that of another state.
@@ -46,9 +46,30 @@ impl First {
 /// What the first choice is of, as far as it is known.
 fn proved(design: &Design) -> &'static str {
     match design.optimum.certificate {
-        Certificate::Certified { .. } => "its ratio is proved to be the best",
-        Certificate::NotCertified(_) => "its ratio is not proved to be the best",
+        Certificate::Certified { .. } => "proved to be the best ratio of this motor",
+        Certificate::NotCertified(_) => "not proved to be the best ratio of this motor",
     }
+}
+
+/// What is not known of a design: limits that were not checked, numbers that are estimated, what was taken to hold.
+fn open_of(design: &Design) -> Option<String> {
+    let names = |all: &[crate::actuator::limits::Remark]| {
+        let mut names: Vec<&str> = all.iter().map(|(name, _)| *name).collect();
+        names.dedup();
+        names.join(", ")
+    };
+    let mut all = Vec::new();
+    if !design.unchecked.is_empty() {
+        all.push(format!("not checked: {}", names(&design.unchecked)));
+    }
+    if !design.assumed.is_empty() {
+        all.push(format!("assumed: {}", names(&design.assumed)));
+    }
+    let estimated = crate::report::estimated::text(design.motor);
+    if !estimated.is_empty() {
+        all.push(estimated.trim_start_matches([';', ',', ' ']).to_string());
+    }
+    (!all.is_empty()).then(|| format!("Open: {}.", all.join("; ")))
 }
 
 /// The objective of a design, with its unit.
@@ -66,13 +87,17 @@ pub fn headline(robot: &Robot, result: &JointResult, before: Option<Option<&Firs
     let first = result.candidates.first();
     parts.push(Part::Text(match first {
         Some(design) => {
-            format!("Take {}: {}; {}.", choice_text(design), objective(joint, design.optimum.objective), proved(design))
+            let gear = with_gear(design).map_or_else(String::new, |gear| format!(" {gear}"));
+            let (motor, ratio) = (&design.motor.id, design_ratio(design));
+            let value = objective(joint, design.optimum.objective);
+            format!("Take {motor}{gear} at N = {ratio}: {value}; {}.", proved(design))
         }
         None => {
             let alone = crate::design::answer::RobotResult { robot, joints: vec![result.clone()] };
             without_choice(&alone, "No").join(". ") + "."
         }
     }));
+    parts.extend(first.and_then(open_of).map(Part::Text));
     parts.push(Part::Text(asked_of(result)));
     match (first, before) {
         (Some(now), Some(Some(before))) => parts.push(Part::Text(against(joint, now, before))),
@@ -105,7 +130,10 @@ fn against(joint: &Joint, now: &Design, before: &First) -> String {
 
 /// What stands of a joint in a row of all: the first choice, or that there is none.
 pub fn in_short(result: &JointResult) -> String {
-    result.candidates.first().map_or_else(|| none_text(result), choice_text)
+    let Some(design) = result.candidates.first() else { return none_text(result) };
+    let gear = with_gear(design).map_or_else(String::new, |gear| format!(" {gear}"));
+    let value = objective(result.joint, design.optimum.objective);
+    format!("{}{gear} at N = {}, {value}", design.motor.id, design_ratio(design))
 }
 
 /// The designs of a joint, the best first.

@@ -74,6 +74,13 @@ class PanelView {
     const zoomed = !this.reset.hidden, { x, y } = this.plot.scales, seen = { x: [x.min, x.max], y: [y.min, y.max] };
     this.take(panel, figure);
     const range = zoomed ? seen : this.full;
+    // What nobody sees is drawn when it comes into sight.
+    this.waits = !this.seen;
+    if (this.waits) { this.next = range; return; }
+    this.drawn(range);
+  }
+  drawn(range) {
+    this.waits = false;
     this.plot.batch(() => {
       for (const key of ["x", "y"]) this.plot.setScale(key, { min: range[key][0], max: range[key][1] });
     });
@@ -151,6 +158,11 @@ class PanelView {
       if (this.host.clientWidth > 0 && size.width !== this.plot.width) this.plot.setSize(size);
     }).observe(this.host);
     this.plot.root.querySelector("canvas").setAttribute("aria-hidden", "true");
+    this.seen = true;
+    new IntersectionObserver((all) => {
+      this.seen = all[all.length - 1].isIntersecting;
+      if (this.seen && this.waits) this.drawn(this.next);
+    }, { rootMargin: "200px" }).observe(this.host);
   }
   clip(text) {
     const most = 0.42 * this.host.clientWidth;
@@ -591,5 +603,8 @@ class FigureView {
 }
 // Draws again; with ids only the diagrams that have one of them.
 function redraw(ids) {
-  for (const view of panels) if (!ids || ids.some((id) => view.ids.has(id))) view.plot.redraw(false, true);
+  for (const view of panels) {
+    if (state.print && view.waits) view.drawn(view.next);
+    else if (!ids || ids.some((id) => view.ids.has(id))) view.plot.redraw(false, true);
+  }
 }

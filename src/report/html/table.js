@@ -80,6 +80,7 @@ class TableView {
     }
   }
   blocks(shown) {
+    this.shown = shown;
     // Only the cells that are shown need the name of their column.
     const names = this.heads.slice(0, shown).map((h) => h.textContent.trim());
     if (names.length > this.labelled) {
@@ -155,7 +156,10 @@ class TableView {
     else if (this.rows.length > 7) this.bar(this.box);
     if (this.sorted.column >= 0) this.order();
     if (focused !== undefined) this.rows.find((row) => row.dataset.i === focused)?.querySelector(".pick")?.focus();
-    this.fit();
+    // How wide the rows are is asked once they were seen: to ask at once would hold up what comes after this table.
+    if (this.box.classList.contains("blocks")) this.blocks(this.shown);
+    clearTimeout(this.later);
+    this.later = setTimeout(() => this.fit(), 60);
     return true;
   }
   sort(column) {

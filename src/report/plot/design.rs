@@ -59,7 +59,13 @@ pub fn explained(robot: &Robot, story: &Explanation) -> Figure {
 
 /// The diagrams of one design, without a title, so that those of another one can take their place.
 pub fn looked_at(robot: &Robot, story: &Explanation) -> Figure {
-    let group = Group { own_legends: true, panels: panels_of(robot, story), ..Group::default() };
+    let mut panels = panels_of(robot, story);
+    // The temperature is not followed for every motor: it stands last.
+    if panels.len() > 1 {
+        let temperature = panels.remove(1);
+        panels.push(temperature);
+    }
+    let group = Group { own_legends: true, panels, ..Group::default() };
     Figure { groups: vec![group], columns: 2, panel: (560.0, 400.0), ..Figure::default() }
 }
 
