@@ -109,14 +109,14 @@
   function apply(reply, asked) {
     applying = true;
     const views = at("views"), answered = Boolean(reply.views || reply.joints);
+    if (reply.state && asked.lenient) now.state = reply.state;
+    if (reply.joint && reply.joint !== now.joint) now.joint = reply.joint;
+    if (reply.objective) Object.assign(shown, { objective: reply.objective, references: reply.references });
+    if (reply.controls) controls(reply.controls);
     if (reply.problems) problems(reply.problems, reply);
     if (reply.views?.headline || reply.views?.design) views.classList.remove("stale");
     else if (reply.problems?.length && !answered) views.classList.add("stale");
-    if (reply.state && asked.lenient) now.state = reply.state;
-    if (reply.joint && reply.joint !== now.joint) now.joint = reply.joint;
     if (reply.design !== undefined) shown.design = reply.design;
-    if (reply.objective) Object.assign(shown, { objective: reply.objective, references: reply.references });
-    if (reply.controls) controls(reply.controls);
     for (const joint of reply.joints ?? []) shown.joints[joint.joint] = { ...joint, of: asked.ask };
     if (reply.joints || reply.pending === false) joints(asked.ask, reply.pending !== false);
     for (const [name, fragment] of Object.entries(reply.views ?? {})) mount(at(name), fragment);
@@ -185,8 +185,8 @@
     objective();
   }
   function build(all) {
-    const of = (joint) => all.filter((c) => c.joint === joint).map(control);
-    at("controls").replaceChildren(make("h3", known.joints.length > 1 ? "the whole robot" : "the supply, the motion"), ...of(false), make("h3", `the joint ${now.joint}`), ...of(true));
+    const of = (joint) => all.filter((c) => c.joint === joint).map(control), joints = of(true);
+    at("controls").replaceChildren(make("h3", known.joints.length > 1 ? "the whole robot" : "the supply, the motion"), ...of(false), ...(joints.length ? [make("h3", `the joint ${now.joint}`), ...joints] : []));
     if (live) at("controls").append(objectiveBox());
     at("ground").textContent = live ? `Turned values are put in the place of those of ${known.file}; the file is not changed.` : "This page holds answers that were worked out before, at the values of its sliders.";
   }
@@ -251,7 +251,7 @@
       if (pick.value === "weights of three") {
         const of = shown.references ?? {};
         if (WEIGHED.some((name) => !of[name]?.[0])) return banner([{ key: "", message: "weights need a first choice whose loss, mass and inertia are known", help: "" }]);
-        now.state[reference] = `{ ${WEIGHED.map((name) => `${name} = "${of[name][0]} ${of[name][1]}"`).join(", ")} }`;
+        now.state[reference] = `{ ${WEIGHED.map((name) => `${name} = "${digits(of[name][0], 4)} ${of[name][1]}"`).join(", ")} }`;
         weigh([1, 1, 1]);
       } else {
         delete now.state[reference];
@@ -365,7 +365,7 @@
       drop.setAttribute("aria-label", `unpin ${name}`);
       go.addEventListener("click", () => { Object.assign(now, { state: of.state, joint: of.joint, design: of.design }); ask(); step(); });
       drop.addEventListener("click", () => { now.pins = now.pins.filter((_, other) => other !== k); ask({ design_only: true }); step(); });
-      box.append(`${known.joints.length > 1 ? `${of.joint}: ` : ""}${name}${values ? `, ${values}` : ""} `, go, drop);
+      box.append(`${"AB"[k]}: ${known.joints.length > 1 ? `${of.joint}: ` : ""}${name}${values ? `, ${values}` : ""} `, go, drop);
       return box;
     }));
   }

@@ -6,7 +6,7 @@ use crate::design::answer::{Design, JointResult};
 use crate::design::explain::Explanation;
 use crate::design::program::Certificate;
 use crate::report::explain::quantities;
-use crate::report::optimize::{choice_text, without_choice};
+use crate::report::optimize::without_choice;
 use crate::report::plot::{Figure, Group, design as plot, trade};
 use crate::report::said::{joint_notes, per_cent, with_gear};
 use crate::report::{design_ratio, number};
@@ -15,14 +15,8 @@ use crate::requirement::{Joint, Robot};
 /// The first choice of a joint as facts, to be compared with that of another state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct First {
-    /// The motor.
-    pub motor: String,
     /// The design in words.
     pub words: String,
-    /// Its ratio.
-    pub ratio: f64,
-    /// Its objective, in the unit of that.
-    pub objective: f64,
     /// Its loss \[W\].
     pub loss: f64,
     /// Its mass \[kg\].
@@ -32,15 +26,14 @@ pub struct First {
 impl First {
     /// Of a design.
     pub fn of(design: &Design) -> First {
-        First {
-            motor: design.motor.id.clone(),
-            words: choice_text(design),
-            ratio: design.evaluation.ratio,
-            objective: design.optimum.objective,
-            loss: design.evaluation.loss,
-            mass: design.evaluation.mass,
-        }
+        First { words: named(design), loss: design.evaluation.loss, mass: design.evaluation.mass }
     }
+}
+
+/// A design by its names and its ratio.
+fn named(design: &Design) -> String {
+    let gear = with_gear(design).map_or_else(String::new, |gear| format!(" {gear}"));
+    format!("{}{gear} at N = {}", design.motor.id, design_ratio(design))
 }
 
 /// What the first choice is of, as far as it is known.
@@ -87,10 +80,8 @@ pub fn headline(robot: &Robot, result: &JointResult, before: Option<Option<&Firs
     let first = result.candidates.first();
     parts.push(Part::Text(match first {
         Some(design) => {
-            let gear = with_gear(design).map_or_else(String::new, |gear| format!(" {gear}"));
-            let (motor, ratio) = (&design.motor.id, design_ratio(design));
             let value = objective(joint, design.optimum.objective);
-            format!("Take {motor}{gear} at N = {ratio}: {value}; {}.", proved(design))
+            format!("Take {}: {value}; {}.", named(design), proved(design))
         }
         None => {
             let alone = crate::design::answer::RobotResult { robot, joints: vec![result.clone()] };
@@ -100,7 +91,7 @@ pub fn headline(robot: &Robot, result: &JointResult, before: Option<Option<&Firs
     parts.extend(first.and_then(open_of).map(Part::Text));
     parts.push(Part::Text(asked_of(result)));
     match (first, before) {
-        (Some(now), Some(Some(before))) => parts.push(Part::Text(against(joint, now, before))),
+        (Some(now), Some(Some(before))) => parts.push(Part::Text(against(now, before))),
         (Some(_), Some(None)) => parts.push(Part::Text("By the file as it is no motor can do it.".into())),
         (None, Some(Some(before))) => parts.push(Part::Text(format!("By the file as it is: {}.", before.words))),
         _ => {}
@@ -112,28 +103,29 @@ pub fn headline(robot: &Robot, result: &JointResult, before: Option<Option<&Firs
     parts
 }
 
-/// A first choice against that of the file.
-fn against(joint: &Joint, now: &Design, before: &First) -> String {
-    let (value, was) = (now.optimum.objective, before.objective);
-    let change = match was != 0.0 && was.is_finite() && value.is_finite() {
-        true if value == was => "the same".to_string(),
-        true if value > was => format!("{} more", per_cent(value / was - 1.0)),
-        true => format!("{} less", per_cent(1.0 - value / was)),
-        false => "not to be compared".into(),
+/// A first choice against that of the file, in what can be compared whatever is best: loss and mass.
+fn against(now: &Design, before: &First) -> String {
+    let change = |value: f64, was: f64| match value.is_finite() && was.is_finite() && was > 0.0 {
+        true if value == was => Some("the same".to_string()),
+        true if value > was => Some(format!("{} more", per_cent(value / was - 1.0))),
+        true => Some(format!("{} less", per_cent(1.0 - value / was))),
+        false => None,
     };
-    let who = match before.motor == now.motor.id {
-        true => format!("the same motor at N = {}", number(before.ratio)),
-        false => before.words.clone(),
-    };
-    format!("By the file as it is: {who}, {}; now {change}.", objective(joint, was))
+    let loss =
+        change(now.evaluation.loss, before.loss).map(|change| format!("loss {} W, now {change}", number(before.loss)));
+    let mass = now
+        .evaluation
+        .mass
+        .zip(before.mass)
+        .and_then(|(now, was)| change(now, was).map(|change| format!("mass {} kg, now {change}", number(was))));
+    let both: Vec<String> = std::iter::once(before.words.clone()).chain(loss).chain(mass).collect();
+    format!("By the file as it is: {}.", both.join("; "))
 }
 
 /// What stands of a joint in a row of all: the first choice, or that there is none.
 pub fn in_short(result: &JointResult) -> String {
     let Some(design) = result.candidates.first() else { return none_text(result) };
-    let gear = with_gear(design).map_or_else(String::new, |gear| format!(" {gear}"));
-    let value = objective(result.joint, design.optimum.objective);
-    format!("{}{gear} at N = {}, {value}", design.motor.id, design_ratio(design))
+    format!("{}, {}", named(design), objective(result.joint, design.optimum.objective))
 }
 
 /// The designs of a joint, the best first.
@@ -161,12 +153,13 @@ pub fn design(robot: &Robot, story: &Explanation) -> Vec<Part> {
     parts
 }
 
+/// What pinned designs are called.
+const NAMES: [&str; 2] = ["A", "B"];
+
 /// Designs that were pinned, number by number, and the envelopes of both.
 pub fn pinned(designs: &[(&Robot, &Explanation)]) -> Vec<Part> {
     let mut header = vec!["quantity".to_string(), "unit".to_string()];
-    header.extend(
-        designs.iter().map(|(_, story)| format!(">{} at N = {}", story.motor.id, number(story.evaluation.ratio))),
-    );
+    header.extend(NAMES.iter().take(designs.len()).map(|name| format!(">{name}")));
     if designs.len() == 2 {
         header.push(">difference".into());
     }
@@ -183,8 +176,8 @@ pub fn pinned(designs: &[(&Robot, &Explanation)]) -> Vec<Part> {
         }
         table = table.rows([cells]);
     }
-    let limits = |story: &Explanation| explain::headline(story);
-    let mut parts: Vec<Part> = vec![Part::List(designs.iter().map(|(_, story)| limits(story)).collect())];
+    let stands = designs.iter().zip(NAMES).map(|((_, story), name)| format!("{name}: {}", explain::headline(story)));
+    let mut parts: Vec<Part> = vec![Part::List(stands.collect())];
     parts.push(Part::Table(table));
     parts.push(Part::Figure(plot::side_by_side(designs)));
     parts

@@ -76,7 +76,12 @@ class PanelView {
     const range = zoomed ? seen : this.full;
     // What nobody sees is drawn when it comes into sight.
     this.waits = !this.seen;
-    if (this.waits) { this.next = range; return; }
+    if (this.waits) {
+      const { ctx } = this.plot;
+      ctx.clearRect(0, 0, ctx.canvas.width, ctx.canvas.height);
+      this.next = range;
+      return;
+    }
     this.drawn(range);
   }
   drawn(range) {
