@@ -142,9 +142,9 @@ fn free(joint: &Joint) -> Option<(f64, f64)> {
     }
 }
 
-/// A number of at most four significant digits.
+/// A number without what the conversion of its unit left behind the twelfth digit.
 fn round(value: f64) -> f64 {
-    format!("{value:.3e}").parse().unwrap_or(value)
+    format!("{value:.11e}").parse().unwrap_or(value)
 }
 
 impl Control {

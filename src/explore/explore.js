@@ -9,6 +9,8 @@
   const shown = { controls: [], joints: {}, design: null, objective: null, references: null, motor: "" };
   const times = (window.gearwiseTimes = []);
   let number = 0, flying = false, waits = null, standing = 0, applying = false;
+  // Whether the full answer to this state is still owed, and whether what is wrong with it may be left out.
+  let owed = true, lenient = false;
 
   // ---- the state as a link
   const part = (text) => encodeURIComponent(text).replace(/%20/g, "%20");
@@ -24,20 +26,23 @@
     return all.join("&");
   }
   function ofLink(link) {
-    const of = { state: {}, joint: known.joints[0], design: "", filter: "", pins: [] };
+    const of = { state: {}, joint: known.joints[0], design: "", filter: "", pins: [] }, left = [];
     let file = known.hash;
     for (const piece of link.replace(/^#/, "").split("&").filter(Boolean)) {
       let key, value;
       try {
         const cut = piece.indexOf("=");
-        [key, value] = cut < 0 ? [piece, ""] : [piece.slice(0, cut), piece.slice(cut + 1)].map(decodeURIComponent);
-      } catch { continue; }
+        if (cut < 1) throw new Error();
+        [key, value] = [piece.slice(0, cut), piece.slice(cut + 1)].map(decodeURIComponent);
+        if (Math.max(key.length, value.length) > 1000) throw new Error();
+      } catch { left.push({ key: "", message: `of the link \`${piece.slice(0, 60)}\` is left out: it is no KEY=VALUE that can be read`, help: "" }); continue; }
       if (key === "pin") { if (of.pins.length < 2) of.pins.push(value); }
       else if (key === "file") file = value;
       else if (["joint", "design", "filter"].includes(key)) of[key] = value;
       else of.state[key] = value;
     }
-    return { of, other: file !== known.hash };
+    if (file !== known.hash) left.unshift({ key: "", message: `This link was made with another ${known.file}: its values are applied to the file as it is now.`, help: "" });
+    return { of, left };
   }
   // A change that stands for half a second is a step of the history.
   function stands() {
@@ -59,19 +64,20 @@
     if (!answer.ok) throw new Error(await answer.text());
     return answer.headers.get("Content-Type").startsWith("application/json") ? answer.json() : answer.text();
   }
-  // One question flies; of those that come meanwhile the latest waits.
+  // One question flies; of those that come meanwhile the latest waits. Until a state was answered in full, a question about the design
+  // alone asks for the rest again.
   function ask(more = {}) {
-    // What only asks for the design is not enough where more was asked for.
-    if (waits && !waits.more.design_only) more = { ...more, design_only: false };
-    waits = { more, since: performance.now() };
+    if (!more.design_only) owed = true;
+    if (more.lenient) lenient = true;
+    waits = { design_only: !owed, since: performance.now() };
     if (!flying) fly();
   }
   async function fly() {
     flying = true;
     while (waits) {
-      const { more, since } = waits;
+      const { design_only, since } = waits;
       waits = null;
-      try { await answered(question(more), since); } catch (why) { broken(why); }
+      try { await answered(question({ design_only, lenient }), since); } catch (why) { broken(why); }
     }
     flying = false;
     busy("");
@@ -83,7 +89,7 @@
       if (reply.ask !== asked.ask) return;
       if (reply.far) {
         // Nothing yet: what is shown is of the state before.
-        at("views").classList.add("stale");
+        if (!have) at("views").classList.add("stale");
         const [done, of] = reply.far;
         busy(of ? `${done} of ${of} motors` : "…");
       } else {
@@ -92,7 +98,8 @@
         if (first) painted(since, asked);
         first = false;
       }
-      if (!reply.pending || waits) return;
+      if (!reply.pending) { if (!waits && !asked.design_only && (reply.views || reply.joints || !reply.problems)) owed = false; return; }
+      if (waits) return;
       reply = await send("more", { tab, ask: asked.ask, have });
     }
   }
@@ -109,12 +116,16 @@
   function apply(reply, asked) {
     applying = true;
     const views = at("views"), answered = Boolean(reply.views || reply.joints);
-    if (reply.state && asked.lenient) now.state = reply.state;
-    if (reply.joint && reply.joint !== now.joint) now.joint = reply.joint;
-    if (reply.objective) Object.assign(shown, { objective: reply.objective, references: reply.references });
+    // What was asked since has a state of its own.
+    if (!waits) {
+      if (reply.state && asked.lenient) { now.state = reply.state; lenient = false; }
+      if (reply.joint && reply.joint !== now.joint) now.joint = reply.joint;
+    }
+    if (reply.objective) shown.objective = reply.objective;
+    if (reply.references) (shown.references ??= {})[now.joint] = reply.references;
     if (reply.controls) controls(reply.controls);
-    if (reply.problems) problems(reply.problems, reply);
-    if (reply.views?.headline || reply.views?.design) views.classList.remove("stale");
+    if (reply.problems) problems(reply.problems);
+    if (reply.views?.headline || (reply.views?.design && asked.design_only)) views.classList.remove("stale");
     else if (reply.problems?.length && !answered) views.classList.add("stale");
     if (reply.design !== undefined) shown.design = reply.design;
     for (const joint of reply.joints ?? []) shown.joints[joint.joint] = { ...joint, of: asked.ask };
@@ -141,7 +152,7 @@
   }
 
   // ---- what is wrong
-  function problems(all, reply) {
+  function problems(all) {
     document.querySelectorAll(".control").forEach((box) => {
       box.querySelector(".wrong")?.remove();
       box.querySelectorAll("input, select").forEach((e) => { e.removeAttribute("aria-invalid"); e.removeAttribute("aria-describedby"); });
@@ -155,10 +166,9 @@
       box.append(text);
       box.querySelectorAll("input, select").forEach((e) => { e.setAttribute("aria-invalid", "true"); e.setAttribute("aria-describedby", text.id); });
     });
-    if (otherFile) elsewhere.unshift({ key: "", message: `This link was made with another ${known.file}: its values are applied to the file as it is now.`, help: "" });
-    banner(elsewhere);
+    banner([...ofThisLink, ...elsewhere]);
   }
-  let otherFile = false;
+  let ofThisLink = [];
   function banner(all) {
     at("banner").hidden = !all.length;
     at("banner").replaceChildren(...all.map((p) => make("p", [p.key && `${p.key}: `, p.message, p.help && `; ${p.help}`].filter(Boolean).join(""))));
@@ -188,7 +198,7 @@
     const of = (joint) => all.filter((c) => c.joint === joint).map(control), joints = of(true);
     at("controls").replaceChildren(make("h3", known.joints.length > 1 ? "the whole robot" : "the supply, the motion"), ...of(false), ...(joints.length ? [make("h3", `the joint ${now.joint}`), ...joints] : []));
     if (live) at("controls").append(objectiveBox());
-    at("ground").textContent = live ? `Turned values are put in the place of those of ${known.file}; the file is not changed.` : "This page holds answers that were worked out before, at the values of its sliders.";
+    at("ground").textContent = live ? `Turned values are put in the place of those of ${known.file} as it was read when the program started; the file is not changed.` : "This page holds answers that were worked out before, at the values of its sliders: there is no other ratio, motor or pin to look at. gearwise explore does that.";
   }
   function control(c) {
     const box = make("div", "", "control"), label = document.createElement("label"), row = make("div", "", "row");
@@ -215,15 +225,17 @@
     box.append(label, row);
     return box;
   }
+  // What the file says, in full.
+  const fileWords = (c) => (c.file === null || c.file === undefined ? "" : c.unit ? `${c.file} ${c.unit}` : String(c.file));
   const boxOf = (key) => [...document.querySelectorAll(".control")].find((b) => b.dataset.key === key);
   function refresh(c) {
     const box = boxOf(c.key);
     if (!box) return;
     const [range, field] = [box.querySelector("input[type=range]"), box.querySelector("input[type=text]")];
     const text = now.state[c.key], said = text === undefined ? c.file : c.now ?? numberOf(text);
-    const words = text ?? (c.file === null ? "" : withUnit(c.file, c.unit));
+    const words = text ?? fileWords(c);
     box.classList.toggle("turned", text !== undefined);
-    box.querySelector(".was").textContent = c.values ? print(c.values[Number(c.at)]) : text === undefined ? (c.file === null ? "not set" : "as in the file") : `file: ${c.file === null ? "not set" : print(withUnit(c.file, c.unit))}`;
+    box.querySelector(".was").textContent = c.values ? print(c.values[Number(c.at)]) : text === undefined ? (c.file === null ? "not set" : "as in the file") : `file: ${print(fileWords(c)) || "not set"}`;
     box.querySelector(".undo").disabled = text === undefined || Boolean(c.values);
     if (c.values) range.value = c.at;
     else if (document.activeElement !== range || said === null) range.value = said === null ? 1000 : place(c, said);
@@ -232,8 +244,9 @@
   }
   function set(key, text) {
     const file = shown.controls.find((c) => c.key === key);
-    if (text === null || (file?.file !== null && file?.file !== undefined && text === withUnit(file.file, file.unit))) delete now.state[key];
+    if (text === null || (file && text === fileWords(file))) delete now.state[key];
     else now.state[key] = text;
+    ofThisLink = [];
     if (file) refresh({ ...file, now: text === null ? file.file : numberOf(text) });
     ask();
     stands();
@@ -249,8 +262,8 @@
     pick.addEventListener("change", () => {
       const { key } = shown.objective, reference = key.replace(/objective$/, "reference");
       if (pick.value === "weights of three") {
-        const of = shown.references ?? {};
-        if (WEIGHED.some((name) => !of[name]?.[0])) return banner([{ key: "", message: "weights need a first choice whose loss, mass and inertia are known", help: "" }]);
+        const of = shown.references?.[now.joint] ?? {};
+        if (WEIGHED.some((name) => !of[name]?.[0])) return banner([{ key: "", message: "weights need a first choice by the file whose loss, mass and inertia are known", help: "" }]);
         now.state[reference] = `{ ${WEIGHED.map((name) => `${name} = "${digits(of[name][0], 4)} ${of[name][1]}"`).join(", ")} }`;
         weigh([1, 1, 1]);
       } else {
@@ -267,12 +280,14 @@
       weights.append(row);
     });
     weights.hidden = true;
+    weights.append(make("p", "", "note"));
     box.append(label, pick, weights);
     return box;
   }
   function weigh(values) {
-    const all = values.map((v) => Math.max(0, v));
-    now.state[shown.objective.key] = `{ ${WEIGHED.map((name, k) => `${name} = ${all[k] || (all.some(Boolean) ? 0 : 1)}`).filter((text) => !text.endsWith("= 0")).join(", ")} }`;
+    if (!values.some((v) => v > 0)) return banner([{ key: "", message: "one weight at least has to be more than zero", help: "" }]);
+    banner([]);
+    now.state[shown.objective.key] = `{ ${WEIGHED.map((name, k) => [name, values[k]]).filter(([, v]) => v > 0).map(([name, v]) => `${name} = ${v}`).join(", ")} }`;
   }
   function objective() {
     const box = at("objective");
@@ -283,6 +298,8 @@
     box.classList.toggle("turned", text !== undefined);
     const weights = box.querySelector("div");
     weights.hidden = sole !== null || !text;
+    const over = now.state[key.replace(/objective$/, "reference")];
+    weights.querySelector(".note").textContent = over ? `Each over that of the first choice by the file: ${print(over.replace(/[{}"]/g, "").replace(/ =/g, "").replaceAll("_", " ").trim())}.` : "";
     if (!weights.hidden && !box.contains(document.activeElement)) weights.querySelectorAll("input").forEach((e, k) => {
       e.value = new RegExp(`\\b${WEIGHED[k]} = ([\\d.]+)`).exec(text)?.[1] ?? 0;
     });
@@ -333,8 +350,8 @@
     at("pin").hidden = !live || !design;
     if (!range) return;
     if (document.activeElement !== slider) slider.value = place({ low: range[0], high: range[1], log: true }, design.ratio);
-    slider.setAttribute("aria-valuetext", digits(design.ratio, 4));
-    if (document.activeElement !== field) field.value = digits(design.ratio, 4);
+    slider.setAttribute("aria-valuetext", design.text);
+    if (document.activeElement !== field) field.value = design.text;
     at("ratio-best").disabled = !design.best;
   }
   const tune = (text) => { if (shown.design) look(`${shown.design.motor}@${text}`); };
@@ -374,13 +391,13 @@
   at("undo").addEventListener("click", () => history.back());
   at("link").addEventListener("click", async () => {
     const text = linkOf(now);
-    try { await navigator.clipboard.writeText(text); busy("copied: give it to --state, or behind the # of a page"); }
+    try { await navigator.clipboard.writeText(text); busy("copied: for --state, or behind the # of the page"); }
     catch { busy("not copied: it stands behind the # of the address"); }
   });
   at("save").addEventListener("click", async () => {
     try {
       const text = await send("toml", question({}));
-      if (typeof text !== "string") return problems(text.problems, text);
+      if (typeof text !== "string") { busy("not saved: a value is wrong"); return problems(text.problems); }
       const name = known.file.split(/[\\/]/).pop().replace(/\.toml$/, "");
       const a = Object.assign(document.createElement("a"), { href: URL.createObjectURL(new Blob([text], { type: "application/toml" })), download: `${name}_explored.toml` });
       a.click();
@@ -394,8 +411,8 @@
     busy("the report is made …");
     try {
       const answer = await send("report", question({}));
-      if (answer?.problems) { page?.close(); return problems(answer.problems, answer); }
-      if (page) page.location = new URL("report", location.href.split("#")[0]).href;
+      if (answer?.problems) { page?.close(); busy("no report: a value is wrong"); return problems(answer.problems); }
+      if (page) page.location = new URL(answer, location.href.split("#")[0]).href;
       busy("");
     } catch (why) { page?.close(); broken(why); }
   });
@@ -403,7 +420,7 @@
     busy("fronts …");
     try {
       const answer = await send("fronts", question({}));
-      if (answer?.problems) problems(answer.problems, answer); else mount(at("front"), answer);
+      if (answer?.problems) problems(answer.problems); else mount(at("front"), answer);
       busy("");
     } catch (why) { broken(why); }
   });
@@ -414,19 +431,26 @@
     if ((event.ctrlKey || event.metaKey) && event.key === "z" && !typing) { event.preventDefault(); history.back(); }
   });
   function begin(link) {
-    const { of, other } = ofLink(link);
+    const { of, left } = ofLink(link);
     now = of;
-    otherFile = other;
+    ofThisLink = left;
     ask({ lenient: true });
   }
   addEventListener("popstate", () => { clearTimeout(standing); begin(location.hash); });
 
   // ---- a grid in the place of the program
   function fromGrid(body) {
-    const place = known.grid.axes.map((axis) => Math.max(0, axis.values.indexOf(body.state[axis.key] ?? axis.values[axis.file])));
-    const answer = known.grid.answers[`${place.join(",")}|${body.joint}`];
-    const controls = known.grid.axes.map((axis, k) => ({ ...axis, at: place[k], file: null, now: null, log: false, low: 0, high: 1 }));
-    return { problems: [], notes: [], pending: false, ...structuredClone(answer), ask: body.ask, joint: body.joint, controls };
+    const problems = [], axes = known.grid.axes;
+    for (const [key, value] of Object.entries(body.state)) {
+      const axis = axes.find((axis) => axis.key === key);
+      if (!axis || !axis.values.includes(value)) problems.push({ key: "", message: `this page holds no answer for ${key} = ${value}`, help: "" });
+    }
+    const place = axes.map((axis) => axis.values.indexOf(axis.values.includes(body.state[axis.key]) ? body.state[axis.key] : axis.values[axis.file]));
+    const joint = known.joints.includes(body.joint) ? body.joint : known.joints[0];
+    if (joint !== body.joint) problems.push({ key: "", message: `there is no joint ${body.joint}`, help: "" });
+    const answer = known.grid.answers[`${place.join(",")}|${joint}`];
+    const controls = axes.map((axis, k) => ({ ...axis, at: place[k], file: null, now: null, log: false, low: 0, high: 1 }));
+    return { notes: [], pending: false, ...structuredClone(answer), problems, ask: body.ask, joint, controls };
   }
 
   at("name").textContent = known.name;

@@ -33,7 +33,7 @@ impl Axis {
             Err(format!("`--grid {text}`: {what}; write KEY=VALUE,VALUE, as in 'bus.voltage=24 V,36 V,48 V'"))
         };
         let Some((key, values)) = text.split_once('=') else { return wrong("there is no `=`") };
-        let values: Vec<String> = values.split(',').map(|value| value.trim().to_string()).collect();
+        let values = apart(values);
         if key.trim().is_empty() || values.iter().any(String::is_empty) {
             return wrong("a key or a value is missing");
         }
@@ -46,21 +46,41 @@ impl Axis {
         Ok(Axis { key: key.trim().to_string(), values })
     }
 
+    /// That no key stands twice, nor one that the page begins with.
+    ///
+    /// # Errors
+    /// Which does.
+    pub fn check(axes: &[Axis], explorer: &Explorer) -> Result<(), String> {
+        for (k, axis) in axes.iter().enumerate() {
+            if axes[..k].iter().any(|other| other.key == axis.key) {
+                return Err(format!("`--grid {}`: this key has values already", axis.key));
+            }
+            if explorer.begins_with(&axis.key) {
+                return Err(format!("`--grid {}`: `--set` gives this key a value", axis.key));
+            }
+        }
+        Ok(())
+    }
+
     /// What is taken where nothing is asked for: the bus voltage about that of the file, and factors on all torques.
     pub fn usual(explorer: &Explorer) -> Vec<Axis> {
         let voltage = explorer.robot().bus.voltage;
         let of = |factor: f64| format!("{} V", crate::report::number(voltage * factor));
-        vec![
+        let all = [
             Axis { key: "bus.voltage".into(), values: [0.5, 0.75, 1.0, 1.5, 2.0].map(of).to_vec() },
             Axis { key: "scale.torque".into(), values: ["0.8", "1", "1.25"].map(str::to_string).to_vec() },
-        ]
+        ];
+        all.into_iter().filter(|axis| !explorer.begins_with(&axis.key)).collect()
     }
 
     /// Which of the values is the file's, as the page begins.
     fn of_file(&self, explorer: &Explorer) -> usize {
-        let plain = explorer.robot_of(&Default::default());
+        let begin = &explorer.ground.begin;
+        let plain = explorer.robot_of(begin);
         let same = |value: &String| {
-            let with = explorer.robot_of(&[(self.key.clone(), value.clone())].into());
+            let mut with = begin.clone();
+            with.insert(self.key.clone(), value.clone());
+            let with = explorer.robot_of(&with);
             match (&plain, with) {
                 (Ok(plain), Ok(with)) => match self.key.as_str() {
                     "scale.torque" | "scale.speed" => value.parse::<f64>() == Ok(1.0),
@@ -84,6 +104,34 @@ impl Axis {
     }
 }
 
+/// How many points a grid has; `None` where that is no number.
+pub fn points(axes: &[Axis]) -> Option<usize> {
+    axes.iter().try_fold(1_usize, |all, axis| all.checked_mul(axis.values.len()))
+}
+
+/// Values that stand apart by commas; those in brackets, braces and quotes are of one value.
+fn apart(text: &str) -> Vec<String> {
+    let (mut values, mut depth, mut quote) = (vec![String::new()], 0_i32, None);
+    for c in text.chars() {
+        match (quote, c) {
+            (Some(open), _) if c == open => quote = None,
+            (Some(_), _) => {}
+            (None, '"' | '\'') => quote = Some(c),
+            (None, '[' | '{') => depth += 1,
+            (None, ']' | '}') => depth -= 1,
+            (None, ',') if depth <= 0 => {
+                values.push(String::new());
+                continue;
+            }
+            (None, _) => {}
+        }
+        if let Some(last) = values.last_mut() {
+            last.push(c);
+        }
+    }
+    values.into_iter().map(|value| value.trim().to_string()).collect()
+}
+
 /// The page with the answers at every point of a grid; `tick` is called for each answer.
 ///
 /// # Errors
@@ -95,15 +143,15 @@ pub fn page(
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Result<String, Failure> {
     let joints: Vec<&str> = explorer.robot().joints.iter().map(|joint| joint.name.as_str()).collect();
-    let points: usize = axes.iter().map(|axis| axis.values.len()).product();
-    if points.saturating_mul(joints.len()) > MOST {
-        let message = format!(
-            "{points} points of the grid at {} are {} answers: a page holds {MOST} at most",
-            crate::words::counted(joints.len(), "joint"),
-            points.saturating_mul(joints.len())
-        );
-        return Err(Failure::Argument(message));
+    Axis::check(axes, explorer).map_err(Failure::Argument)?;
+    let points = points(axes);
+    if points.is_none_or(|points| points.saturating_mul(joints.len()) > MOST) {
+        let grid =
+            points.map_or_else(|| "More points than can be counted".into(), |n| format!("{n} points of the grid"));
+        let at = crate::words::counted(joints.len(), "joint");
+        return Err(Failure::Argument(format!("{grid} at {at} are too many: a page holds {MOST} answers at most")));
     }
+    let points = points.unwrap_or(0);
     let place = |mut point: usize| {
         let mut at = vec![0; axes.len()];
         for (k, axis) in axes.iter().enumerate().rev() {
@@ -119,7 +167,8 @@ pub fn page(
         }
         let at = place(point);
         let set = axes.iter().zip(&at).map(|(axis, k)| (axis.key.clone(), axis.values[*k].clone()));
-        let ask = Ask { joint: joint.into(), state: set.collect(), ..Ask::default() };
+        let state = explorer.ground.begin.clone().into_iter().chain(set).collect();
+        let ask = Ask { joint: joint.into(), state, ..Ask::default() };
         let answer = answer(explorer, ask)?;
         let name: Vec<String> = at.iter().map(usize::to_string).collect();
         found
@@ -177,6 +226,8 @@ mod tests {
     fn an_axis_is_typed_as_a_key_with_values() {
         let axis = Axis::read("bus.voltage=24 V, 36 V").unwrap();
         assert_eq!((axis.key.as_str(), axis.values), ("bus.voltage", vec!["24 V".to_string(), "36 V".to_string()]));
+        let axis = Axis::read("joint.a.objective={ loss = 1, mass = 2 },\"loss\", [1, 2]").unwrap();
+        assert_eq!(axis.values, ["{ loss = 1, mass = 2 }", "\"loss\"", "[1, 2]"]);
         for wrong in ["bus.voltage", "bus.voltage=24 V", "=1,2", "a=1,,2", "a=1,1"] {
             assert!(Axis::read(wrong).unwrap_err().contains(wrong), "{wrong}");
         }

@@ -24,7 +24,7 @@ use crate::ask::{Answer, Failure, Rows, Watch, chosen, pareto};
 use crate::design::answer::JointResult;
 use crate::design::explain::{Explanation, look};
 use crate::input::{InputError, Source};
-use crate::report::html::explore::{self as view, First};
+use crate::report::html::explore::{self as view, Before};
 use crate::report::html::{self, Part};
 use crate::requirement::{Balancing, Joint, RatioChoice, Robot, Settings};
 use crate::study::worker::Store;
@@ -44,13 +44,16 @@ const FRONT: usize = 33;
 pub struct Ground {
     /// The requirement.
     pub source: Arc<Source>,
-    /// What is set by the call already.
-    pub set: Settings,
+    /// The state that is begun with: what the call sets.
+    pub begin: BTreeMap<String, String>,
     /// The motors.
     pub rows: Rows,
     /// The words of a call of `optimize` that chooses from the same: file and catalogue.
     pub words: Vec<String>,
 }
+
+/// Asked whether a report or a front is to end.
+pub type Stop = Arc<dyn Fn() -> bool + Send + Sync>;
 
 /// Answers questions about one requirement.
 pub struct Explorer {
@@ -86,7 +89,7 @@ impl Explorer {
     pub fn new(ground: Ground, call: fn(Vec<String>) -> String) -> Result<Explorer, Failure> {
         let store = Store::default();
         let base = PathBuf::new();
-        let file = ground.set.read_with(&ground.source, None, &mut store.reading(&base))?;
+        let file = Settings::default().read_with(&ground.source, None, &mut store.reading(&base))?;
         ground.rows.for_robot(&file)?;
         Ok(Explorer { ground, store, file, kept: Mutex::default(), newest: Mutex::default(), call })
     }
@@ -145,7 +148,7 @@ impl Explorer {
         let found = self.found(&ask, &robot, place, &work.course)?;
         let result = &found.found().result.joints[0];
         let changed = !ask.state.is_empty();
-        let before = if changed { self.known(&Ask::default(), place).map(|of| first(&of)) } else { None };
+        let compared = if changed { self.known(&Ask::default(), place).map(|of| before(&of)) } else { None };
         let mut views = Map::new();
         let story = self.story(&found, &ask.design).unwrap_or_else(|why| {
             wrong.push(Wrong::of("design", why));
@@ -158,7 +161,7 @@ impl Explorer {
         };
         views.insert("design".into(), html::fragment(&looked));
         if !ask.design_only {
-            let parts = view::headline(found.robot(), result, before.as_ref().map(Option::as_ref));
+            let parts = view::headline(result, found.without(0), compared.as_ref());
             views.insert("headline".into(), html::fragment(&parts));
             views.insert("ranking".into(), html::fragment(&view::ranking(result)));
         }
@@ -169,7 +172,7 @@ impl Explorer {
         let mut reply = json!({
             "ask": ask.ask, "joint": joint.name, "state": ask.state, "problems": wrong.iter().map(problem).collect::<Vec<_>>(),
             "controls": controls::json((&self.file, own), (&robot, joint)), "objective": objective(joint),
-            "references": references(result), "notes": self.notes(&robot),
+            "references": if changed { Value::Null } else { references(result) }, "notes": self.notes(&robot),
             "joints": [short(result)], "design": described(story.as_ref().ok().and_then(Option::as_ref), result),
             "views": views, "pending": true,
         });
@@ -182,21 +185,31 @@ impl Explorer {
         }
         let more = json!({
             "others": html::fragment(&view::others(result)), "trade": html::fragment(&[view::trade(result)]),
+            "near": html::fragment(&view::near(found.robot(), result, found.catalog())),
         });
         work.reply(json!({ "ask": ask.ask, "views": more, "pending": true }).to_string());
-        if changed && before.is_none() {
+        if changed && compared.is_none() {
             // What the file chooses, to compare with.
             let plain = self.found(&Ask::default(), &self.file, place.min(self.file.joints.len() - 1), &work.course)?;
-            let parts = view::headline(found.robot(), result, Some(first(&plain).as_ref()));
+            let parts = view::headline(result, found.without(0), Some(&before(&plain)));
             let views = json!({ "headline": html::fragment(&parts) });
-            work.reply(json!({ "ask": ask.ask, "views": views, "pending": true }).to_string());
+            let references = references(&plain.found().result.joints[0]);
+            work.reply(
+                json!({ "ask": ask.ask, "views": views, "references": references, "pending": true }).to_string(),
+            );
         }
-        for other in (0..robot.joints.len()).filter(|other| *other != place) {
+        let mut all = Vec::new();
+        for other in 0..robot.joints.len() {
             let found = self.found(&ask, &robot, other, &work.course)?;
-            let joints = [short(&found.found().result.joints[0])];
-            work.reply(json!({ "ask": ask.ask, "joints": joints, "pending": true }).to_string());
+            if other != place {
+                let joints = [short(&found.found().result.joints[0])];
+                work.reply(json!({ "ask": ask.ask, "joints": joints, "pending": true }).to_string());
+            }
+            all.push(found);
         }
-        work.reply(json!({ "ask": ask.ask, "pending": false }).to_string());
+        let whole = view::whole(&robot, all.iter().map(|found| found.found().result.joints[0].clone()).collect());
+        let views = json!({ "whole": html::fragment(&whole) });
+        work.reply(json!({ "ask": ask.ask, "views": views, "pending": false }).to_string());
         Ok(())
     }
 
@@ -226,7 +239,9 @@ impl Explorer {
                 robot
             }
         };
-        let place = robot.joints.iter().position(|joint| joint.name == ask.joint);
+        // A page shows a name without what turns the direction of a text.
+        let is = |joint: &Joint| joint.name == ask.joint || html::shown(&joint.name) == ask.joint;
+        let place = robot.joints.iter().position(is);
         if place.is_none() && !ask.joint.is_empty() {
             wrong.push(Wrong::of("joint", format!("there is no joint `{}`", ask.joint)));
         }
@@ -235,9 +250,8 @@ impl Explorer {
 
     /// The requirement with values in the place of its own.
     fn robot_of(&self, state: &BTreeMap<String, String>) -> Result<Robot, Vec<Wrong>> {
-        let settings = state::settings(&self.ground.set, state)?;
-        let before = self.ground.set.parts().1.len();
-        let homes = settings.parts().1[before..].to_vec();
+        let settings = state::settings(state)?;
+        let homes = settings.parts().1.to_vec();
         let key_of = |error: &InputError| {
             let home = homes.iter().position(|home| Arc::ptr_eq(home, &error.source));
             home.and_then(|k| state.keys().nth(k)).cloned().unwrap_or_default()
@@ -259,6 +273,11 @@ impl Explorer {
         if robot.rules != self.file.rules {
             let key = state.keys().find(|key| key.starts_with("rules")).cloned().unwrap_or_default();
             return Err(vec![Wrong::of(&key, files::REFUSED)]);
+        }
+        let names = |robot: &Robot| robot.joints.iter().map(|joint| joint.name.clone()).collect::<Vec<_>>();
+        if names(&robot) != names(&self.file) {
+            let key = state.keys().find(|key| *key == "joint" || key.ends_with(".name")).cloned().unwrap_or_default();
+            return Err(vec![Wrong::of(&key, "the joints stay those of the file, with their names")]);
         }
         Ok(robot)
     }
@@ -358,7 +377,7 @@ impl Explorer {
     /// Pinned designs next to each other.
     fn pinned(&self, ask: &Ask, course: &Arc<Course>, wrong: &mut Vec<Wrong>) -> Result<Vec<Part>, Failure> {
         let mut held = Vec::new();
-        for pin in &ask.pins {
+        for (place_of_pin, pin) in ask.pins.iter().enumerate() {
             let mut of = match Ask::of_link(pin) {
                 Ok(of) => of,
                 Err(why) => {
@@ -369,20 +388,20 @@ impl Explorer {
             match self.read(&mut of) {
                 Ok(Read { robot, place, wrong: left }) => {
                     wrong.extend(left.into_iter().map(|w| Wrong { key: "pin".into(), ..w }));
-                    held.push((self.found(&of, &robot, place, course)?, of.design));
+                    held.push((place_of_pin, self.found(&of, &robot, place, course)?, of.design));
                 }
                 Err(why) => wrong.extend(why.into_iter().map(|w| Wrong { key: "pin".into(), ..w })),
             }
         }
         let mut stories = Vec::new();
-        for (found, design) in &held {
+        for (place, found, design) in &held {
             match self.story(found, design) {
-                Ok(Ok(Some(story))) => stories.push((found.robot(), story)),
+                Ok(Ok(Some(story))) => stories.push((*place, found.robot(), story)),
                 Ok(Ok(None)) => wrong.push(Wrong::of("pin", "there is no design to look at")),
                 Ok(Err(why)) | Err(why) => wrong.push(Wrong::of("pin", why)),
             }
         }
-        let stories: Vec<_> = stories.iter().map(|(robot, story)| (*robot, story)).collect();
+        let stories: Vec<_> = stories.iter().map(|(place, robot, story)| (*place, *robot, story)).collect();
         Ok(view::pinned(&stories))
     }
 
@@ -413,7 +432,7 @@ impl Explorer {
     pub fn toml(&self, body: &str) -> Result<String, Vec<Wrong>> {
         let ask = Ask::read(body).map_err(|why| vec![Wrong::of("", why)])?;
         self.robot_of(&ask.state)?;
-        let settings = state::settings(&self.ground.set, &ask.state)?;
+        let settings = state::settings(&ask.state)?;
         let base = PathBuf::new();
         Ok(settings.to_toml(&self.ground.source, &mut self.store.reading(&base)))
     }
@@ -422,15 +441,16 @@ impl Explorer {
     ///
     /// # Errors
     /// What is wrong with the state.
-    pub fn report(&self, body: &str) -> Result<String, Vec<Wrong>> {
+    pub fn report(&self, body: &str, stop: Stop) -> Result<String, Vec<Wrong>> {
         let whole = |failure: Failure| vec![Wrong::of("", words(&failure))];
         let ask = Ask::read(body).map_err(|why| vec![Wrong::of("", why)])?;
         let robot = self.robot_of(&ask.state)?;
         let asked = Asked { runner_ups: 3, with_costs: true, ..Asked::default() };
         let catalog = self.ground.rows.for_robot(&robot).map_err(whole)?;
-        let ready = Ready::of(robot, catalog, &asked, false, &Watch::default()).map_err(whole)?;
+        let watch = || watching(&stop);
+        let ready = Ready::of(robot, catalog, &asked, false, &watch()).map_err(whole)?;
         let names = Names { requirement: "".as_ref(), given: None, catalog: &[] };
-        let found = optimize(ready, &asked, names, Watch::default()).map_err(whole)?;
+        let found = optimize(ready, &asked, names, watch()).map_err(whole)?;
         let mut words = self.ground.words.clone();
         words.extend(ask.state.iter().flat_map(|(key, value)| ["--set".into(), format!("{key}={value}")]));
         Ok(html::text(&found.whole_page(&(self.call)(words))))
@@ -440,7 +460,7 @@ impl Explorer {
     ///
     /// # Errors
     /// What is wrong with the state.
-    pub fn fronts(&self, body: &str) -> Result<Value, Vec<Wrong>> {
+    pub fn fronts(&self, body: &str, stop: Stop) -> Result<Value, Vec<Wrong>> {
         let whole = |failure: Failure| vec![Wrong::of("", words(&failure))];
         let mut ask = Ask::read(body).map_err(|why| vec![Wrong::of("", why)])?;
         let Read { mut robot, place, .. } = self.read(&mut ask)?;
@@ -451,23 +471,53 @@ impl Explorer {
         robot.budget = crate::requirement::Budget::default();
         let quantities =
             pareto::quantities(["loss", "mass", "reflected_inertia"]).map_err(|why| vec![Wrong::of("", why)])?;
-        let ready = Ready::of(robot, catalog, &Asked::default(), true, &Watch::default()).map_err(whole)?;
-        let fronts = pareto::pareto(ready, &quantities, FRONT, false, Watch::default()).map_err(whole)?;
+        let ready = Ready::of(robot, catalog, &Asked::default(), true, &watching(&stop)).map_err(whole)?;
+        let fronts = pareto::pareto(ready, &quantities, FRONT, false, watching(&stop)).map_err(whole)?;
         let page = fronts.page();
         let parts: Vec<Part> =
             page.summary.into_iter().chain(page.sections.into_iter().flat_map(|s| s.parts)).collect();
         Ok(html::fragment(&parts))
     }
 
-    /// The page.
+    /// The page, which begins with a state where its address says none, and its policy.
     pub fn page(&self, link: &str) -> (String, String) {
         page::live(self, link)
     }
+
+    /// Whether the page begins with a value of this key.
+    fn begins_with(&self, key: &str) -> bool {
+        self.ground.begin.contains_key(key)
+    }
+
+    /// The state that is begun with, as a link.
+    pub fn link(&self) -> String {
+        state::link(&self.ground.begin)
+    }
+
+    /// That the requirement takes what is begun with.
+    ///
+    /// # Errors
+    /// What it does not take.
+    pub fn check(&self) -> Result<(), Vec<Wrong>> {
+        self.robot_of(&self.ground.begin).map(drop)
+    }
+
+    /// What of a state the requirement does not take.
+    pub fn left_out(&self, mut ask: Ask) -> Vec<Wrong> {
+        ask.lenient = true;
+        self.read(&mut ask).map_or_else(|wrong| wrong, |read| read.wrong)
+    }
 }
 
-/// The first choice of what was found for a joint.
-fn first(found: &Optimized) -> Option<First> {
-    found.found().result.joints[0].candidates.first().map(First::of)
+/// Who asks whether to stop.
+fn watching(stop: &Stop) -> Watch {
+    let stop = stop.clone();
+    Watch { stop: Box::new(move || stop()), ..Watch::default() }
+}
+
+/// What was found for a joint, to compare with.
+fn before(found: &Optimized) -> Before {
+    Before::of(&found.found().result.joints[0])
 }
 
 /// A failure in words.
@@ -507,7 +557,7 @@ fn described(story: Option<&Explanation>, result: &JointResult) -> Value {
     let best = story.best.as_ref().and_then(|best| best.as_ref().ok()).map(|optimum| optimum.ratio);
     json!({
         "motor": story.motor.id, "gear": story.gear.map(|gear| gear.id.clone()), "ratio": story.evaluation.ratio, "range": free,
-        "best": best, "choice": story.is_choice(), "feasible": story.evaluation.feasible,
+        "text": html::explain::ratio_text(story), "best": best, "choice": story.is_choice(), "feasible": story.evaluation.feasible,
     })
 }
 

@@ -58,6 +58,10 @@ impl Ask {
     /// # Errors
     /// In words.
     pub fn read(body: &str) -> Result<Ask, String> {
+        // A list could stand for an object.
+        if !body.trim_start().starts_with('{') {
+            return Err("the question is not understood: it is no object".into());
+        }
         let ask: Ask = serde_json::from_str(body).map_err(|why| format!("the question is not understood: {why}"))?;
         if ask.tab.len() > 64 || ask.pins.len() > 2 || ask.pins.iter().any(|pin| pin.len() > 16 * MOST.1) {
             return Err("the question is too long".into());
@@ -87,12 +91,17 @@ impl Ask {
         Ok(ask)
     }
 
-    /// What decides what is found for a joint: all that is set but what is set of other joints alone. `coupled`: what is set of
-    /// one joint counts for all.
-    pub fn of_joint(&self, joint: &str, others: &[&str], coupled: bool) -> String {
-        let of_other =
-            |key: &str| others.iter().any(|other| *other != joint && key.starts_with(&format!("joint.{other}.")));
-        let set = self.state.iter().filter(|(key, _)| coupled || !of_other(key));
+    /// What decides what is found for a joint: all that is set but what is set of other joints alone. `names` are those of all joints;
+    /// `coupled`: what is set of one joint counts for all.
+    pub fn of_joint(&self, joint: &str, names: &[&str], coupled: bool) -> String {
+        // A name that could be a part of a path, or of another name's path, leaves it open whose a key is.
+        let plain = |name: &&str| !name.contains(['.', '*']) && !name.trim().is_empty();
+        let apart = !coupled && names.iter().all(plain);
+        let of_other = |key: &str| {
+            let of = key.strip_prefix("joint.").and_then(|rest| rest.split_once('.')).map(|(name, _)| name);
+            of.is_some_and(|name| name != joint && names.contains(&name))
+        };
+        let set = self.state.iter().filter(|(key, _)| !(apart && of_other(key)));
         let all: Vec<String> = set.map(|(key, value)| format!("{key}\u{1}{value}")).collect();
         format!("{joint}\u{2}{}", all.join("\u{2}"))
     }
@@ -129,15 +138,29 @@ fn decoded(text: &str) -> Result<String, String> {
     String::from_utf8(out).map_err(|_| format!("`{text}` is not UTF-8"))
 }
 
-/// The values of a state, each with a home of its own, so that each mistake is told at its key; `before` are those of the call.
+/// A state as a link: what is no letter, digit or one of `-._~` has a `%` in front.
+pub fn link(state: &BTreeMap<String, String>) -> String {
+    let encoded = |text: &str| {
+        let one = |byte: u8| match byte {
+            b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'~' => char::from(byte).to_string(),
+            _ => format!("%{byte:02X}"),
+        };
+        text.bytes().map(one).collect::<String>()
+    };
+    let parts: Vec<String> = state.iter().map(|(key, value)| format!("{}={}", encoded(key), encoded(value))).collect();
+    parts.join("&")
+}
+
+/// The values of a state, each with a home of its own, so that each mistake is told at its key.
 ///
 /// # Errors
 /// What is no key or no value.
-pub fn settings(before: &Settings, state: &BTreeMap<String, String>) -> Result<Settings, Vec<Wrong>> {
-    let (mut all, mut wrong) = (before.clone(), Vec::new());
+pub fn settings(state: &BTreeMap<String, String>) -> Result<Settings, Vec<Wrong>> {
+    let (mut all, mut wrong) = (Settings::default(), Vec::new());
     for (key, value) in state {
         match Settings::of_arguments(&[format!("{key}={value}")]) {
             // `key` alone may not decide where the value begins.
+            Ok(_) if key.trim() != key => wrong.push(Wrong::of(key, "a key has no blanks around it")),
             Ok(_) if key.contains('=') => wrong.push(Wrong::of(key, "a key has no `=`")),
             Ok(one) => all = all.then(&one),
             Err(why) => wrong.push(Wrong::of(key, why.split_once("`: ").map_or(why.as_str(), |(_, why)| why))),
@@ -156,6 +179,8 @@ mod tests {
         assert_eq!(ask.state, BTreeMap::from([("bus.voltage".to_string(), "36 V".to_string())]));
         assert_eq!((ask.joint.as_str(), ask.design.as_str()), ("knee", "t-motor-ri50@12.5"));
         assert_eq!(Ask::of_link("").unwrap().state.len(), 0);
+        let odd = BTreeMap::from([("joint.a b.limits.safety".to_string(), "{ é = \"&%#\" }".to_string())]);
+        assert_eq!(Ask::of_link(&link(&odd)).unwrap().state, odd);
         for wrong in ["bus.voltage", "a=%2", "a=%ff", "a=%zz"] {
             assert!(Ask::of_link(wrong).is_err(), "{wrong}");
         }
@@ -170,10 +195,19 @@ mod tests {
             ..Ask::default()
         };
         let (all, plain) = (set(&[("joint.hip.limits.safety", "2")]), set(&[]));
-        let names = ["hip", "knee", "hip.two"];
+        let names = ["hip", "knee"];
         assert_eq!(all.of_joint("knee", &names, false), plain.of_joint("knee", &names, false));
         assert_ne!(all.of_joint("knee", &names, true), plain.of_joint("knee", &names, true));
         assert_ne!(all.of_joint("hip", &names, false), plain.of_joint("hip", &names, false));
+        // Where a name could be a part of a path, all counts.
+        assert_ne!(
+            all.of_joint("knee", &["hip", "knee", "*"], false),
+            plain.of_joint("knee", &["hip", "knee", "*"], false)
+        );
+        assert_ne!(
+            all.of_joint("knee", &["hip", "knee", "hip.two"], false),
+            plain.of_joint("knee", &["hip", "knee", "hip.two"], false)
+        );
         let of_all = set(&[("joint.*.limits.safety", "2")]);
         assert_ne!(of_all.of_joint("knee", &names, false), plain.of_joint("knee", &names, false));
     }
@@ -181,10 +215,11 @@ mod tests {
     #[test]
     fn each_mistake_is_told_at_its_key() {
         let state = |key: &str, value: &str| BTreeMap::from([(key.to_string(), value.to_string())]);
-        let wrong = |key: &str, value: &str| settings(&Settings::default(), &state(key, value)).unwrap_err();
+        let wrong = |key: &str, value: &str| settings(&state(key, value)).unwrap_err();
         assert_eq!(wrong("bus.voltage", "")[0].key, "bus.voltage");
         assert_eq!(wrong("bus..voltage", "1")[0].key, "bus..voltage");
         assert_eq!(wrong("a=b", "1")[0].key, "a=b");
-        assert!(settings(&Settings::default(), &state("bus.voltage", "36 V")).is_ok());
+        assert_eq!(wrong(" bus.voltage", "1 V")[0].key, " bus.voltage");
+        assert!(settings(&state("bus.voltage", "36 V")).is_ok());
     }
 }

@@ -4,6 +4,7 @@
 //! what follows from it is computed to the end.
 
 mod bench;
+mod explore;
 pub mod joint;
 mod parts;
 mod readers;
@@ -28,6 +29,8 @@ pub const TARGETS: &[(&str, Target)] = &[
     ("mgdb", bench::mgdb),
     ("solve", solve::solve),
     ("optimize", joint::optimize),
+    ("http", explore::http),
+    ("ask", explore::ask),
 ];
 
 /// Runs one target.

@@ -286,7 +286,7 @@ struct Times {
 impl Times {
     /// What the program waits.
     const USUAL: Times = Times {
-        idle: Duration::from_secs(30),
+        idle: Duration::from_secs(10),
         head: Duration::from_secs(10),
         body: Duration::from_secs(10),
         write: Duration::from_secs(10),

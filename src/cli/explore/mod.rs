@@ -65,8 +65,14 @@ pub fn run(arguments: &Arguments, _: &Call) -> Result<Done, Failure> {
     let source = Source::argument(&requirement).map_err(|e| vec![e])?;
     let mut words = vec!["optimize".to_string(), requirement.display().to_string()];
     words.extend(arguments.catalog.words());
-    let ground = Ground { source, set: arguments.set.settings()?, rows: arguments.catalog.rows()?, words };
+    // What is set is told with its place before anything else; then it is the state that the page begins with.
+    arguments.set.settings()?.read(&source, None)?;
+    let ground = Ground { source, begin: arguments.begin(), rows: arguments.catalog.rows()?, words };
     let explorer = Arc::new(Explorer::new(ground, |words| super::call(words.into_iter()))?);
+    explorer.check().map_err(|wrong| {
+        let all: Vec<String> = wrong.iter().map(|w| format!("`--set {}`: {}", w.key, w.message)).collect();
+        Failure::Argument(all.join("; "))
+    })?;
     match &arguments.static_page {
         Some(path) => arguments.write(&explorer, axes, path),
         None => arguments.serve(&explorer),
@@ -74,6 +80,12 @@ pub fn run(arguments: &Arguments, _: &Call) -> Result<Done, Failure> {
 }
 
 impl Arguments {
+    /// What is set, as the state of a page.
+    fn begin(&self) -> std::collections::BTreeMap<String, String> {
+        let pairs = self.set.set.iter().filter_map(|text| text.split_once('='));
+        pairs.map(|(key, value)| (key.trim().to_string(), value.trim().to_string())).collect()
+    }
+
     /// The requirement, and the axes of the grid that were asked for.
     fn asked(&self) -> Result<(PathBuf, Vec<Axis>), Failure> {
         let typed: Result<Vec<Axis>, String> = self.grid.iter().map(|text| Axis::read(text)).collect();
@@ -103,7 +115,7 @@ impl Arguments {
     /// Writes the page that needs no program.
     fn write(&self, explorer: &Explorer, axes: Vec<Axis>, path: &Path) -> Result<Done, Failure> {
         let axes = if axes.is_empty() { Axis::usual(explorer) } else { axes };
-        let points: usize = axes.iter().map(|axis| axis.values.len()).product();
+        let points = grid::points(&axes).unwrap_or(0);
         let work = self.telling.counted(points.saturating_mul(explorer.robot().joints.len()), "answers");
         let page = grid::page(explorer, &axes, &|| work.step(), &|| false)?;
         work.end();
@@ -115,8 +127,17 @@ impl Arguments {
 
     /// Serves the page until Ctrl-C.
     fn serve(&self, explorer: &Arc<Explorer>) -> Result<Done, Failure> {
-        let link = self.state.as_deref().unwrap_or_default();
-        Ask::of_link(link).map_err(|why| Failure::Argument(format!("`--state`: {why}")))?;
+        let state = self.state.as_deref().unwrap_or_default();
+        let asked = Ask::of_link(state).map_err(|why| Failure::Argument(format!("`--state`: {why}")))?;
+        if let Some(key) = self.begin().keys().find(|key| asked.state.contains_key(*key)) {
+            return Err(Failure::Argument(format!("`{key}` is set by `--set` and by `--state`")));
+        }
+        let link: Vec<String> =
+            [explorer.link(), state.to_string()].into_iter().filter(|part| !part.is_empty()).collect();
+        let link = link.join("&");
+        for wrong in explorer.left_out(asked) {
+            tell!("warning: `--state {}`: {}; it is left out", wrong.key, wrong.message);
+        }
         let mut secret = [0_u8; 16];
         getrandom::fill(&mut secret).map_err(|why| Failure::Argument(format!("no random numbers: {why}")))?;
         let token: String = secret.iter().map(|byte| format!("{byte:02x}")).collect();
@@ -137,8 +158,9 @@ impl Arguments {
             explorer: explorer.clone(),
             pool: Arc::new(pool),
             works: Mutex::default(),
-            report: Mutex::default(),
-            link: link.into(),
+            reports: Mutex::default(),
+            link,
+            stop: stop.clone(),
         };
         server.serve(&|request| host.answer(request), &|| stop.load(Ordering::Relaxed));
         Ok(Done { text: String::new(), satisfied: true })
@@ -158,12 +180,16 @@ struct Host {
     pool: Arc<ThreadPool>,
     /// The newest questions, each with its page.
     works: Mutex<Vec<Arc<Flying>>>,
-    /// The report that was made last.
-    report: Mutex<Option<String>>,
+    /// The reports that were made last, each with its name.
+    reports: Mutex<Vec<(String, String)>>,
+    /// Whether all ends.
+    stop: Arc<AtomicBool>,
     /// The state to begin with.
     link: String,
 }
 
+/// Reports that are kept.
+const REPORTS: usize = 8;
 /// Questions that are known at once.
 const WORKS: usize = 64;
 
@@ -178,29 +204,53 @@ impl Host {
                     ..text(200, "text/html; charset=utf-8", page)
                 }
             }
-            (Method::Get, "report") => match &*self.report.lock().unwrap_or_else(PoisonError::into_inner) {
-                Some(page) => text(200, "text/html; charset=utf-8", page.clone()),
-                None => text(404, PLAIN, "no report was made"),
-            },
+            (Method::Get, name) if name.starts_with("report") => {
+                let reports = self.reports.lock().unwrap_or_else(PoisonError::into_inner);
+                match reports.iter().find(|(own, _)| own == name) {
+                    Some((_, page)) => text(200, "text/html; charset=utf-8", page.clone()),
+                    None => text(404, PLAIN, "no such report: it is older than the last eight"),
+                }
+            }
             (Method::Post, "ask") => self.ask(body),
             (Method::Post, "more") => self.more(body),
             (Method::Post, "toml") => match self.pool.install(|| self.explorer.toml(body)) {
                 Ok(toml) => text(200, "application/toml; charset=utf-8", toml),
                 Err(wrong) => refused(&wrong),
             },
-            (Method::Post, "report") => match self.pool.install(|| self.explorer.report(body)) {
-                Ok(page) => {
-                    *self.report.lock().unwrap_or_else(PoisonError::into_inner) = Some(page);
-                    text(204, PLAIN, "")
-                }
+            (Method::Post, "report") => match self.pool.install(|| self.explorer.report(body, self.stopping())) {
+                Ok(page) => text(200, PLAIN, self.keep(page)),
                 Err(wrong) => refused(&wrong),
             },
-            (Method::Post, "fronts") => match self.pool.install(|| self.explorer.fronts(body)) {
+            (Method::Post, "fronts") => match self.pool.install(|| self.explorer.fronts(body, self.stopping())) {
                 Ok(fragment) => text(200, JSON, fragment.to_string()),
                 Err(wrong) => refused(&wrong),
             },
             _ => text(404, PLAIN, "not found"),
         }
+    }
+
+    /// Whether all ends, for what takes long.
+    fn stopping(&self) -> crate::explore::Stop {
+        let stop = self.stop.clone();
+        Arc::new(move || stop.load(Ordering::Relaxed))
+    }
+
+    /// Keeps a report, and gives its name: a path has letters alone.
+    fn keep(&self, page: String) -> String {
+        let mut reports = self.reports.lock().unwrap_or_else(PoisonError::into_inner);
+        let letters = |name: &str| name["report".len()..].bytes().fold(0_usize, |n, c| 26 * n + usize::from(c - b'a'));
+        let mut number = reports.last().map_or(0, |(name, _)| letters(name)) + 1;
+        let mut name = Vec::new();
+        while number > 0 {
+            name.insert(0, char::from(b'a' + (number % 26) as u8));
+            number /= 26;
+        }
+        let name = format!("report{}", name.into_iter().collect::<String>());
+        if reports.len() == REPORTS {
+            reports.remove(0);
+        }
+        reports.push((name.clone(), page));
+        name
     }
 
     /// A new question: it is worked on behind this, and what there is after a moment is said.

@@ -4,7 +4,7 @@ use crate::words::{heat_or, with_unit};
 
 use super::{Bars, Page, Part, Section, Table, Verdict};
 use crate::catalog::audit::{audit_motor, conventions_line};
-use crate::design::explain::Explanation;
+use crate::design::explain::{Explanation, Remedy};
 use crate::report::currents::Q_AXIS;
 use crate::report::explain::{
     RUNAWAY, best_line, capitalised, limit_columns, limit_rows, no_spring, percent, quantities, remedy_text, verdict,
@@ -64,7 +64,7 @@ pub fn page(robot: &Robot, story: &Explanation) -> Page {
     sections.push(Section::new("The motor's row", vec![Part::List(lines)]));
     Page {
         command: "explain",
-        title: format!("{}: {}{gear} at N = {}", joint.name, motor.id, number(e.ratio)),
+        title: format!("{}: {}{gear} at N = {}", joint.name, motor.id, ratio_text(story)),
         verdict: Verdict::from(story.is_choice()),
         asked: super::asked::parts(robot, &[joint]),
         headline: headline(story),
@@ -78,8 +78,39 @@ pub fn page(robot: &Robot, story: &Explanation) -> Page {
 /// How a design stands, in a sentence.
 pub fn headline(story: &Explanation) -> String {
     let gear = story.gear.map_or_else(String::new, |g| format!(" with {}", g.id));
-    let (joint, motor, ratio) = (&story.joint.name, &story.motor.id, number(story.evaluation.ratio));
+    let (joint, motor, ratio) = (&story.joint.name, &story.motor.id, ratio_text(story));
     format!("At {joint}, {motor} at N = {ratio}{gear} {}.", verdict(story))
+}
+
+/// The ratio of a design; the best one so that it keeps its limits when it is typed again.
+pub fn ratio_text(story: &Explanation) -> String {
+    let ratio = story.evaluation.ratio;
+    match &story.best {
+        Some(Ok(best)) if best.ratio == ratio => crate::report::optimum_ratio(best, None),
+        _ => number(ratio),
+    }
+}
+
+/// What a remedy is in the requirement's own numbers, where its limit goes with one of them: limits are in q-axis volts and amperes.
+fn in_own_terms(robot: &Robot, story: &Explanation, remedy: &Remedy) -> Option<String> {
+    let times = (remedy.needed / remedy.bound).max(1.0);
+    let drive = story.joint.drive_current.or(robot.bus.drive_current);
+    match (remedy.owner, remedy.unit) {
+        // A supply with a resistance sags under the power; what it then needs is another question.
+        ("bus", "V") if times.is_finite() && robot.bus.internal_resistance.is_none() => {
+            Some(format!("a bus of {} V in place of {} V", up(robot.bus.voltage * times), number(robot.bus.voltage)))
+        }
+        ("drive", "A") if times.is_finite() => {
+            drive.map(|own| format!("a drive of {} A (phase amplitude) in place of {} A", up(own * times), number(own)))
+        }
+        _ => None,
+    }
+}
+
+/// A number of four digits that is no less than another one.
+fn up(value: f64) -> String {
+    let step = 10_f64.powi(value.abs().max(f64::MIN_POSITIVE).log10().floor() as i32 - 3);
+    number((value / step).ceil() * step)
 }
 
 /// The limit that leaves least, or that is exceeded most.
@@ -119,11 +150,16 @@ pub fn looked_at(robot: &Robot, story: &Explanation) -> Vec<Part> {
     );
     if !story.remedies.is_empty() {
         parts.push(Part::Text("What is exceeded at this ratio, and what would have to be in its place:".into()));
-        parts.push(Part::List(story.remedies.iter().map(remedy_text).collect()));
+        let with = |remedy: &Remedy| match in_own_terms(robot, story, remedy) {
+            Some(own) => format!("{}: {own}", remedy_text(remedy)),
+            None => remedy_text(remedy),
+        };
+        parts.push(Part::List(story.remedies.iter().map(with).collect()));
     }
     parts.push(Part::Figure(plot::looked_at(robot, story)));
     parts.extend(super::folded("How to read torque over speed", Some(Part::Text(CAPTION.into()))));
     parts.push(Part::Table(limits(story)));
+    parts.push(Part::Text(Q_AXIS.into()));
     parts.extend(losses(story));
     parts.extend(super::folded("What it needs and weighs", Some(Part::Table(needs(story)))));
     let warnings = warnings(story);

@@ -32,7 +32,7 @@ use std::path::Path;
 
 pub use bars::Bars;
 pub use chain::Chain;
-pub use render::{Frame, application, fragment, policy, text};
+pub use render::{Frame, application, fragment, policy, shown, text};
 
 use super::plot::{self, Figure};
 use crate::input::InputFile;

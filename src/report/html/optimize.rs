@@ -15,7 +15,7 @@ use crate::report::outlook::{heading, near_gear_cells, no_gear};
 use crate::report::plot::design as plot;
 use crate::report::reason::reason_text;
 use crate::report::said::gear_of_ratio;
-use crate::report::{columns, different_motors, number, optional, spring};
+use crate::report::{columns, design_ratio, different_motors, number, optional, spring};
 use crate::requirement::{Joint, RatioChoice};
 
 /// The page; `outlooks` are those of the joints, in their order.
@@ -119,7 +119,7 @@ fn choices(result: &RobotResult, whole: Option<&Choice>) -> Table {
             let e = &design.evaluation;
             let mut cells = name();
             cells.extend([what.into(), design.motor.id.clone(), design.gear.unwrap_or("").into()]);
-            cells.extend([number(e.ratio), number(e.loss), optional(e.mass), number(e.reflected_inertia)]);
+            cells.extend([design_ratio(design), number(e.loss), optional(e.mass), number(e.reflected_inertia)]);
             cells.extend(tightest(e));
             cells.extend([estimated(design.motor), design.unchecked.len().to_string()]);
             cells.push(proof(&design.optimum.certificate));
@@ -250,7 +250,7 @@ fn folded(title: &str, part: Part) -> Part {
 }
 
 /// Gears that one can buy near the best ratio of the first design.
-fn near_gears(result: &JointResult, outlook: &Outlook, names: &str) -> Option<Part> {
+pub(super) fn near_gears(result: &JointResult, outlook: &Outlook, names: &str) -> Option<Part> {
     let (design, nearby) = (result.candidates.first()?, outlook.nearby.as_ref()?);
     if let Some(gap) = &nearby.gap {
         return Some(Part::Text(format!("{}.", no_gear(gap))));
@@ -321,7 +321,7 @@ pub fn candidates(result: &JointResult, names: &str) -> Table {
         if geared {
             cells.push(design.gear.unwrap_or("").into());
         }
-        cells.push(number(e.ratio));
+        cells.push(design_ratio(design));
         if own_column {
             cells.push(number(design.optimum.objective));
         }

@@ -559,7 +559,7 @@ class FigureView {
       for (const panel of group.panels) {
         const box = make("div", "", "panel");
         grid.append(box);
-        if (panel.title) box.append(make("h4", panel.title));
+        if (panel.title) box.append(make(group.title ? "h4" : "h3", panel.title));
         if (!panel.x.range || !panel.y.range) {
           box.append(make("p", `${panel.x.label ? panel.x.label + ": " : ""}${panel.empty || "nothing to draw"}`, "note"));
           continue;

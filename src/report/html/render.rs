@@ -19,6 +19,11 @@ fn escaped(text: &str) -> String {
     plot::escaped(text).replace(turns, "\u{fffd}")
 }
 
+/// A text as a page shows it: what turns the direction of a text is a mark.
+pub fn shown(text: &str) -> String {
+    text.replace(turns, "\u{fffd}")
+}
+
 /// Text for people, safe as [`escaped`], with units as print has them, wherever they stand in a sentence: `N·m`. Files and
 /// calls, which are typed again, are not changed.
 pub(super) fn printed(text: &str) -> String {

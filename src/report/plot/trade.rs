@@ -36,9 +36,9 @@ enum Standing {
 
 impl Standing {
     const ALL: [(Standing, Tone, Shape, &'static str); 3] = [
-        (Standing::Front, Tone::Blue, Shape::Circle, "no other is better in all three"),
-        (Standing::Behind, Tone::Grey, Shape::Circle, "another is better in all three"),
-        (Standing::NoMass, Tone::Orange, Shape::Square, "mass not known"),
+        (Standing::Front, Tone::Blue, Shape::Circle, "on the front: less of one costs more of another"),
+        (Standing::Behind, Tone::Grey, Shape::Circle, "behind the front: another is no worse in all, better in one"),
+        (Standing::NoMass, Tone::Orange, Shape::Square, "mass not known: not compared"),
     ];
 }
 
@@ -72,7 +72,8 @@ pub fn panel(result: &JointResult) -> Panel {
         title: "loss, reflected inertia and mass of every design, at its best ratio".into(),
         x: axis("loss [W]", &mut all.iter().map(|(_, p)| p.0)),
         y: axis("reflected inertia [kg·m²]", &mut all.iter().map(|(_, p)| p.1)),
-        empty: "no motor can do it".into(),
+        empty: if result.unjudged.is_empty() { "no motor can do it" } else { "no motor that can be judged can do it" }
+            .into(),
         ..Panel::default()
     };
     // What stands out is drawn last, over the others.

@@ -11,6 +11,7 @@ mod check;
 mod check_input;
 mod check_model;
 mod colour;
+mod explore;
 mod export;
 mod families;
 mod folder;

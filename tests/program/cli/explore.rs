@@ -1,0 +1,510 @@
+//! The explorer, asked over its socket as a browser asks, and as a browser never would.
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+
+use crate::common::repository;
+use crate::common::run::{gearwise, gearwise_in, stderr, stdout};
+
+/// A server of its own, which ends with the test.
+struct Served {
+    child: Child,
+    port: u16,
+    token: String,
+}
+
+impl Drop for Served {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+impl Served {
+    fn start(folder: &Path, arguments: &[&str]) -> Served {
+        let mut program = Command::new(env!("CARGO_BIN_EXE_gearwise"));
+        program.arg("explore").args(arguments).current_dir(folder);
+        let mut child = program.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().expect("the program starts");
+        let mut line = String::new();
+        BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
+        let rest = line.strip_prefix("http://127.0.0.1:").unwrap_or_else(|| panic!("no address: {line}"));
+        let (port, token) = rest.trim_end().trim_end_matches('/').split_once('/').expect("a port and a token");
+        Served { port: port.parse().unwrap(), token: token.to_string(), child }
+    }
+
+    fn shipped(name: &str) -> Served {
+        Served::start(&repository(""), &[&format!("requirements/{name}.toml")])
+    }
+
+    /// What comes back for these bytes: status, head and body.
+    fn raw(&self, bytes: &[u8]) -> (u16, String, String) {
+        let mut socket = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
+        socket.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
+        // A server that refuses may close before all was sent.
+        let _ = socket.write_all(bytes);
+        let mut answer = Vec::new();
+        let _ = socket.read_to_end(&mut answer);
+        let answer = String::from_utf8(answer).unwrap();
+        let (head, body) = answer.split_once("\r\n\r\n").unwrap_or((&answer, ""));
+        let status = head.split(' ').nth(1).and_then(|s| s.parse().ok()).unwrap_or(0);
+        (status, head.to_string(), body.to_string())
+    }
+
+    fn get(&self, path: &str) -> (u16, String, String) {
+        let Served { port, token, .. } = self;
+        self.raw(
+            format!("GET /{token}/{path} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nConnection: close\r\n\r\n").as_bytes(),
+        )
+    }
+
+    fn post(&self, path: &str, body: &str) -> (u16, String, String) {
+        let Served { port, token, .. } = self;
+        let head = format!(
+            "POST /{token}/{path} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nContent-Type: application/json\r\nContent-Length: {}\r\nConnection: close\r\n\r\n",
+            body.len()
+        );
+        self.raw(format!("{head}{body}").as_bytes())
+    }
+
+    /// All replies to a question.
+    fn ask(&self, ask: &Value) -> Vec<Value> {
+        let (mut replies, mut next) = (Vec::new(), self.post("ask", &ask.to_string()));
+        let began = Instant::now();
+        loop {
+            assert!(began.elapsed() < Duration::from_secs(120), "no answer: {replies:?}");
+            let (status, _, body) = &next;
+            if *status == 204 {
+                return replies;
+            }
+            assert_eq!(*status, 200, "{body}");
+            let reply: Value = serde_json::from_str(body).unwrap();
+            let pending = reply["pending"] == true;
+            if reply.get("far").is_none() {
+                replies.push(reply);
+            }
+            if !pending {
+                return replies;
+            }
+            let more = json!({ "tab": ask["tab"], "ask": ask["ask"], "have": replies.len() });
+            next = self.post("more", &more.to_string());
+        }
+    }
+}
+
+/// The first choice of each joint: motor and ratio, to the last digit.
+fn choices(replies: &[Value]) -> Vec<(String, String, Value)> {
+    let each = replies.iter().filter_map(|reply| reply["joints"].as_array()).flatten();
+    let mut all: Vec<(String, String, Value)> = each
+        .map(|joint| {
+            let text = |key: &str| joint[key].as_str().unwrap_or_default().to_string();
+            (text("joint"), text("motor"), joint["ratio"].clone())
+        })
+        .collect();
+    all.sort_by(|a, b| a.0.cmp(&b.0));
+    all
+}
+
+/// The same of `optimize`.
+fn chosen(answer: &Value) -> Vec<(String, String, Value)> {
+    let first = |joint: &Value| {
+        let best = &joint["candidates"][0];
+        let motor = best["motor"].as_str().unwrap_or_default().to_string();
+        (joint["joint"].as_str().unwrap().to_string(), motor, best["ratio"].clone())
+    };
+    let mut all: Vec<_> = answer["joints"].as_array().unwrap().iter().map(first).collect();
+    all.sort_by(|a, b| a.0.cmp(&b.0));
+    all
+}
+
+/// A copy of the shipped requirements, to save files next to their motions.
+fn copied() -> (tempfile::TempDir, PathBuf) {
+    fn copy(from: &Path, to: &Path) {
+        std::fs::create_dir_all(to).unwrap();
+        for entry in std::fs::read_dir(from).unwrap().map(Result::unwrap) {
+            match entry.file_type().unwrap().is_dir() {
+                true => copy(&entry.path(), &to.join(entry.file_name())),
+                false => drop(std::fs::copy(entry.path(), to.join(entry.file_name())).unwrap()),
+            }
+        }
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let to = folder.path().join("requirements");
+    std::fs::create_dir_all(&to).unwrap();
+    for name in ["motions", "robots"] {
+        copy(&repository("requirements").join(name), &to.join(name));
+    }
+    (folder, to)
+}
+
+#[test]
+fn what_is_shown_is_what_optimize_chooses_from_the_saved_file() {
+    let (_folder, to) = copied();
+    let states: [(&str, Value); 5] = [
+        (
+            "quadruped_mini_cheetah",
+            json!({ "bus.voltage": "31 V", "scale.torque": "1.13", "joint.knee.limits.safety": "1.05" }),
+        ),
+        (
+            "quadruped_mini_cheetah",
+            json!({ "joint.*.objective": "mass", "scale.speed": "1.2", "joint.hip.ratio.max": "14" }),
+        ),
+        ("exoskeleton_hip", json!({ "ambient.temperature": "38 degC" })),
+        ("humanoid_hip_catalog_gears", json!({ "scale.torque": "0.9" })),
+        ("quadruped_knee_linkage", json!({ "bus.voltage": "40 V" })),
+    ];
+    for (name, state) in states {
+        let served = Served::shipped(name);
+        let ask = json!({ "tab": "t", "ask": 1, "state": state });
+        let shown = choices(&served.ask(&ask));
+        let (status, _, text) = served.post("toml", &ask.to_string());
+        assert_eq!(status, 200, "{text}");
+        let file = to.join("saved.toml");
+        std::fs::write(&file, &text).unwrap();
+        let optimized = gearwise_in(&to, &["optimize", "saved.toml", "--json"]);
+        assert!(optimized.status.code().is_some_and(|code| code < 2), "{}", stderr(&optimized));
+        let answer: Value = serde_json::from_slice(&optimized.stdout).unwrap();
+        assert_eq!(shown, chosen(&answer), "{name} with {state}");
+        // Comments stay.
+        let own = std::fs::read_to_string(repository("requirements").join(format!("{name}.toml"))).unwrap();
+        let first = own.lines().find(|line| line.starts_with('#')).unwrap();
+        assert!(text.contains(first), "{name}: {first}");
+    }
+}
+
+#[test]
+fn an_answer_that_was_kept_is_of_the_state_that_is_asked() {
+    let served = Served::shipped("quadruped_mini_cheetah");
+    let mut number = 0;
+    let mut asked = |joint: &str, state: Value| {
+        number += 1;
+        choices(&served.ask(&json!({ "tab": "t", "ask": number, "state": state, "joint": joint })))
+    };
+    let plain = asked("knee", json!({}));
+    let states = [
+        json!({ "bus.voltage": "48 V" }),
+        json!({ "joint.knee.limits.actuator_mass": "0.4 kg" }),
+        json!({ "joint.hip.ratio.max": "10" }),
+    ];
+    let first: Vec<_> = states.iter().map(|state| asked("knee", state.clone())).collect();
+    assert!(first.iter().all(|other| *other != plain), "each state changes something");
+    // Seen from another joint, in another order, and after others: the same.
+    let again: Vec<_> = states.iter().rev().map(|state| asked("hip", state.clone())).collect();
+    assert_eq!(first, again.into_iter().rev().collect::<Vec<_>>());
+    assert_eq!(plain, asked("hip_abad", json!({})));
+}
+
+#[test]
+fn a_page_is_answered_only_where_it_comes_from() {
+    let served = Served::shipped("exoskeleton_hip");
+    let Served { port, token, .. } = &served;
+    let (status, head, page) = served.get("");
+    assert_eq!(status, 200);
+    let policy = head.lines().find_map(|line| line.strip_prefix("Content-Security-Policy: ")).expect("a policy");
+    assert!(
+        policy.starts_with("default-src 'none';")
+            && policy.contains("connect-src 'self'")
+            && policy.ends_with("frame-ancestors 'none'"),
+        "{policy}"
+    );
+    for wanted in [
+        "Cache-Control: no-store",
+        "X-Content-Type-Options: nosniff",
+        "Referrer-Policy: no-referrer",
+        "Cross-Origin-Resource-Policy: same-origin",
+    ] {
+        assert!(head.contains(wanted), "{wanted}: {head}");
+    }
+    // The secret is in the address alone.
+    assert!(!page.contains(token));
+    let get = |path: &str, more: &str| {
+        let host = if more.contains("Host:") { String::new() } else { format!("Host: 127.0.0.1:{port}\r\n") };
+        served.raw(format!("GET {path} HTTP/1.1\r\n{host}{more}Connection: close\r\n\r\n").as_bytes()).0
+    };
+    let here = format!("/{token}/");
+    assert_eq!(get(&here, ""), 200);
+    assert_eq!(get(&here, &format!("Host: localhost:{port}\r\n")), 200);
+    for more in [
+        "Host: evil.example\r\n",
+        "Host: 127.0.0.1\r\n",
+        "Origin: http://evil.example\r\n",
+        "Origin: null\r\n",
+        "Sec-Fetch-Site: cross-site\r\n",
+    ] {
+        assert_eq!(get(&here, more), 403, "{more}");
+    }
+    let other = token.chars().rev().collect::<String>();
+    for path in [
+        "/",
+        "/ask",
+        &format!("/{token}"),
+        &format!("/{other}/"),
+        &format!("/{token}/../"),
+        &format!("/{token}/%2e%2e/"),
+        &format!("/{token}/?a"),
+        &format!("{here}nothing"),
+    ] {
+        assert_eq!(get(path, ""), 404, "{path}");
+    }
+    let post = |kind: &str, length: &str| {
+        let head =
+            format!("POST {here}ask HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n{kind}{length}Connection: close\r\n\r\n{{}}");
+        served.raw(head.as_bytes()).0
+    };
+    assert_eq!(post("Content-Type: text/plain\r\n", "Content-Length: 2\r\n"), 415);
+    assert_eq!(post("Content-Type: application/json\r\n", ""), 411);
+    assert_eq!(post("Content-Type: application/json\r\n", "Content-Length: 70000\r\n"), 413);
+    assert_eq!(post("Content-Type: application/json\r\n", "Content-Length: 2\r\nTransfer-Encoding: chunked\r\n"), 400);
+    // It still answers.
+    assert_eq!(get(&here, ""), 200);
+}
+
+#[test]
+fn what_is_no_question_is_refused_in_words() {
+    let served = Served::shipped("exoskeleton_hip");
+    let refused = |body: &str| {
+        let (status, _, text) = served.post("ask", body);
+        assert_eq!(status, 400, "{body}: {text}");
+        assert!(!text.is_empty() && text.len() < 300, "{text}");
+    };
+    let many: serde_json::Map<String, Value> = (0..65).map(|k| (format!("a.b{k}"), "1".into())).collect();
+    let long = "x".repeat(2000);
+    for body in [
+        "".to_string(),
+        "[]".into(),
+        "{".into(),
+        "\u{0}".into(),
+        r#"{"tab":"a","ask":-1}"#.into(),
+        r#"{"tab":"a","ask":1,"no_such":1}"#.into(),
+        r#"{"tab":"a","ask":1,"state":{"bus.voltage":36}}"#.into(),
+        json!({ "tab": "a", "ask": 1, "state": many }).to_string(),
+        json!({ "tab": "a", "ask": 1, "state": { "bus.voltage": long } }).to_string(),
+        json!({ "tab": long, "ask": 1 }).to_string(),
+        json!({ "tab": "a", "ask": 1, "pins": ["", "", ""] }).to_string(),
+        "[".repeat(50_000),
+    ] {
+        refused(&body);
+    }
+    // What is asked of a question that nobody knows has no answer.
+    assert_eq!(served.post("more", r#"{"tab":"z","ask":1,"have":0}"#).0, 204);
+}
+
+#[test]
+fn each_mistake_stands_at_its_key_and_a_link_applies_what_is_good() {
+    let served = Served::shipped("quadruped_mini_cheetah");
+    let problems = |state: &Value, lenient: bool| {
+        let replies = served.ask(&json!({ "tab": "t", "ask": 1, "state": state, "lenient": lenient }));
+        let all = replies[0]["problems"].as_array().unwrap().clone();
+        let keys: Vec<String> = all.iter().map(|p| p["key"].as_str().unwrap().to_string()).collect();
+        (keys, replies, all)
+    };
+    let state = json!({ "bus.voltage": "36 X", "no.such_key": "1", "scale.torque": "1.1", "joint.knee.limits.safety": "-1", "scale.speed": "nan" });
+    let (mut keys, replies, _) = problems(&state, false);
+    keys.sort();
+    keys.dedup();
+    assert_eq!(keys, ["bus.voltage", "joint.knee.limits.safety", "no.such_key", "scale.speed"]);
+    assert!(replies.len() == 1 && replies[0].get("views").is_none(), "nothing is answered: {replies:?}");
+    let (mut keys, replies, _) = problems(&state, true);
+    keys.sort();
+    keys.dedup();
+    assert_eq!(keys, ["bus.voltage", "joint.knee.limits.safety", "no.such_key", "scale.speed"]);
+    assert_eq!(replies[0]["state"], json!({ "scale.torque": "1.1" }));
+    assert_eq!(choices(&replies).len(), 3);
+    // Two values that go together only.
+    let (keys, replies, all) = problems(&json!({ "joint.knee.ratio.max": "60", "joint.knee.ratio.min": "40" }), true);
+    assert!(keys.is_empty(), "{all:?}");
+    assert_eq!(replies[0]["state"].as_object().unwrap().len(), 2);
+    let (_, replies, all) = problems(&json!({}), true);
+    assert!(all.is_empty() && replies[0]["joint"] == "hip_abad");
+}
+
+#[test]
+fn a_state_names_no_files() {
+    let secret = tempfile::tempdir().unwrap();
+    let file = secret.path().join("secret.csv");
+    std::fs::write(&file, "the secret of this file\n").unwrap();
+    let path = file.to_str().unwrap();
+    let text = |value: &str| toml::Value::String(value.into()).to_string();
+    for (name, key, value) in [
+        ("quadruped_mini_cheetah", "joint.knee.motion", text(path)),
+        ("quadruped_mini_cheetah", "joint.knee", format!("{{ name = \"knee\", motion = {} }}", text(path))),
+        ("quadruped_mini_cheetah", "rules", text(path)),
+        ("quadruped_mini_cheetah", "joint.knee.transmission", format!("{{ table = {} }}", text(path))),
+        ("arm_from_its_description", "mechanism.model", text(path)),
+        ("arm_from_its_description", "mechanism.trajectory", text(path)),
+        (
+            "quadruped_trot_and_jump",
+            "joint.knee.case",
+            format!("[{{ name = \"a\", share = 1.0, motion = {} }}]", text(path)),
+        ),
+    ] {
+        let served = Served::shipped(name);
+        for lenient in [false, true] {
+            let ask = json!({ "tab": "t", "ask": 1, "state": { key: value }, "lenient": lenient, "joint": "knee" });
+            let replies = served.ask(&ask);
+            let said = Value::from(replies.clone()).to_string();
+            assert!(!said.contains("the secret of"), "{name}: {key}");
+            assert!(!replies[0]["problems"].as_array().unwrap().is_empty(), "{name}: {key} is taken: {said:.300}");
+            for path in ["toml", "report", "fronts"] {
+                let (status, _, body) =
+                    served.post(path, &json!({ "tab": "t", "ask": 2, "state": { key: value } }).to_string());
+                assert!(
+                    status == 200 && body.contains("problems") && !body.contains("the secret of"),
+                    "{path}: {body:.300}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_newer_question_of_a_page_makes_the_older_one_stale_and_no_other_page_s() {
+    let served = Served::shipped("ankle_prosthesis_parallel_spring");
+    let ask = |tab: &str, number: u64, torque: &str| json!({ "tab": tab, "ask": number, "state": { "scale.torque": torque } });
+    let far = |answer: &(u16, String, String)| serde_json::from_str::<Value>(&answer.2).unwrap();
+    let first = served.post("ask", &ask("a", 1, "1.01").to_string());
+    assert!(far(&first)["far"].is_array(), "a spring takes longer than a moment: {first:?}");
+    let other = served.post("ask", &ask("b", 1, "1.02").to_string());
+    assert!(far(&other)["pending"] == true);
+    let second = served.ask(&ask("a", 2, "1.03"));
+    assert!(choices(&second).iter().all(|(_, motor, _)| !motor.is_empty()), "{second:?}");
+    assert_eq!(served.post("more", r#"{"tab":"a","ask":1,"have":0}"#).0, 204, "the older one is gone");
+    let other = served.ask(&ask("b", 2, "1.02"));
+    assert_eq!(choices(&other).len(), 1);
+}
+
+#[test]
+fn names_of_files_cannot_make_the_page_do_anything() {
+    let folder = tempfile::tempdir().unwrap();
+    let hostile = "</script><img src=x onerror=alert(1)>";
+    let text = format!(
+        "name = '{hostile}'\n[bus]\nvoltage = \"24 V\"\n[[joint]]\nname = '{hostile}'\nratio = {{ min = 3, max = 20 }}\n\
+         gear = {{ efficiency = 0.9, mass = \"100 g\", inertia = \"1e-6 kg*m^2\" }}\n\
+         points = [{{ torque = \"1 N*m\", speed = \"2 rad/s\", duration = \"1 s\" }}]\nobjective = \"loss\"\n"
+    );
+    std::fs::write(folder.path().join("r.toml"), text).unwrap();
+    let served = Served::start(folder.path(), &["r.toml"]);
+    let (_, _, page) = served.get("");
+    assert!(!page.contains("<img") && page.contains("\\u003cimg"), "the page has it escaped");
+    let replies = served.ask(&json!({ "tab": "t", "ask": 1 }));
+    for reply in &replies {
+        for (name, view) in reply["views"].as_object().into_iter().flatten() {
+            let html = view["html"].as_str().unwrap();
+            assert!(!html.contains("<img") && !html.contains("<script"), "{name}");
+        }
+    }
+    assert!(replies[0]["views"]["headline"]["html"].as_str().unwrap().contains("Take "));
+    // A key that has a name of a joint with points and quotes in it still is a key or is refused at its place.
+    let key = format!("joint.{hostile}.limits.safety");
+    let replies = served.ask(&json!({ "tab": "t", "ask": 2, "state": { &key: "1.5" } }));
+    assert!(
+        replies[0]["problems"].as_array().unwrap().iter().all(|p| p["key"] == key.as_str()),
+        "{:?}",
+        replies[0]["problems"]
+    );
+}
+
+#[test]
+fn the_report_of_a_state_is_that_of_optimize() {
+    let served = Served::shipped("exoskeleton_hip");
+    assert_eq!(served.get("report").0, 404, "none was made");
+    let ask = json!({ "tab": "t", "ask": 1, "state": { "scale.torque": "1.1", "ambient.temperature": "40 degC" } });
+    let (status, _, name) = served.post("report", &ask.to_string());
+    assert!(status == 200 && name.starts_with("report"), "{name}");
+    // Of two pages each gets its own.
+    let other = served.post("report", &json!({ "tab": "u", "ask": 1 }).to_string()).2;
+    assert_ne!(name, other);
+    assert!(!served.get(&other).2.contains("--set"));
+    let (status, _, report) = served.get(&name);
+    assert_eq!(status, 200);
+    let folder = tempfile::tempdir().unwrap();
+    let page = folder.path().join("page.html");
+    let set = ["--set", "ambient.temperature=40 degC", "--set", "scale.torque=1.1"];
+    let path = ["optimize", "requirements/exoskeleton_hip.toml", "--html", page.to_str().unwrap()];
+    let made = gearwise(&[&path[..2], &set[..], &path[2..]].concat());
+    assert!(made.status.code().is_some_and(|code| code < 2), "{}", stderr(&made));
+    assert_eq!(report, std::fs::read_to_string(&page).unwrap());
+}
+
+#[test]
+#[cfg(unix)]
+fn ctrl_c_ends_it() {
+    let mut served = Served::shipped("ankle_prosthesis_parallel_spring");
+    // While it is asked.
+    assert_eq!(served.post("ask", r#"{"tab":"a","ask":1}"#).0, 200);
+    let id = served.child.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+    let began = Instant::now();
+    let status = loop {
+        if let Some(status) = served.child.try_wait().unwrap() {
+            break status;
+        }
+        assert!(began.elapsed() < Duration::from_secs(20), "it goes on");
+        std::thread::sleep(Duration::from_millis(20));
+    };
+    assert_eq!(status.code(), Some(0));
+    assert!(TcpStream::connect(("127.0.0.1", served.port)).is_err());
+}
+
+#[test]
+fn a_page_without_a_program_has_every_answer_in_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_string();
+    let file = "requirements/quadruped_mini_cheetah.toml";
+    let grid = ["--grid", "bus.voltage=24 V,48 V", "--grid", "scale.torque=1,1.25"];
+    let made = |path: &str, threads: &str| {
+        let output = gearwise(&[&["explore", file, "--static", path, "--threads", threads][..], &grid[..]].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        assert!(stdout(&output).contains("bus.voltage (2), scale.torque (2)"), "{}", stdout(&output));
+        std::fs::read_to_string(path).unwrap()
+    };
+    let page = made(&at("a.html"), "1");
+    assert_eq!(page, made(&at("b.html"), "2"), "the same for any number of threads");
+    assert!(!page.contains("connect-src") && page.contains("default-src 'none'"));
+    let data = page.split("id=\"data\">").nth(1).unwrap().split("</script>").next().unwrap();
+    let data: Value = serde_json::from_str(data).unwrap();
+    let answers = data["explore"]["grid"]["answers"].as_object().unwrap();
+    assert_eq!(answers.len(), 2 * 2 * 3);
+    let set = gearwise(&["optimize", file, "--json", "--set", "bus.voltage=48 V", "--set", "scale.torque=1.25"]);
+    for (joint, motor, ratio) in chosen(&serde_json::from_slice(&set.stdout).unwrap()) {
+        let answer = answers[&format!("1,1|{joint}")]["joints"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .find(|j| j["joint"] == joint.as_str())
+            .unwrap();
+        assert_eq!((answer["motor"].as_str().unwrap(), &answer["ratio"]), (motor.as_str(), &ratio));
+    }
+}
+
+#[test]
+fn a_wrong_call_is_told_before_anything_is_done() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = folder.path().join("p.html");
+    let page = page.to_str().unwrap();
+    let file = "requirements/exoskeleton_hip.toml";
+    for (arguments, said) in [
+        (vec!["explore", "no_such.toml"], "no_such.toml"),
+        (vec!["explore", file, "--state", "bus.voltage"], "no KEY=VALUE"),
+        (vec!["explore", file, "--state", "a=%zz"], "%"),
+        (vec!["explore", file, "--grid", "bus.voltage=24 V,36 V"], "--static"),
+        (vec!["explore", file, "--static", "p.txt"], ".html"),
+        (vec!["explore", file, "--static", page, "--grid", "bus.voltage=24 V"], "two values"),
+        (vec!["explore", file, "--static", page, "--grid", "bus.voltage=24 V,36 X"], "unknown unit"),
+        (vec!["explore", file, "--static", page, "--grid", "no.such=1,2"], "no.such"),
+        (vec!["explore", "requirements/studies/quadruped.toml"], "is a study"),
+    ] {
+        let output = gearwise(&arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", stdout(&output));
+        assert!(stderr(&output).contains(said), "{arguments:?}: {}", stderr(&output));
+        assert!(!Path::new(page).exists());
+    }
+    let many: Vec<String> = (1..=500).map(|k| format!("{k} V")).collect();
+    let grid = format!("bus.voltage={}", many.join(","));
+    let output = gearwise(&["explore", file, "--static", page, "--grid", &grid]);
+    assert!(output.status.code() == Some(2) && stderr(&output).contains("400 answers at most"), "{}", stderr(&output));
+}
