@@ -41,7 +41,7 @@ impl Axis {
             return wrong("a slider needs two values at least");
         }
         if (1..values.len()).any(|k| values[..k].contains(&values[k])) {
-            return wrong("a value stands there twice");
+            return wrong("a value is there twice");
         }
         Ok(Axis { key: key.trim().to_string(), values })
     }
@@ -174,7 +174,7 @@ pub fn page(
         found
             .lock()
             .unwrap_or_else(std::sync::PoisonError::into_inner)
-            .push((format!("{}|{joint}", name.join(",")), answer));
+            .push((format!("{}|{}", name.join(","), crate::report::html::shown(joint)), answer));
         tick();
         Ok(())
     };

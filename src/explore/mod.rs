@@ -137,7 +137,7 @@ impl Explorer {
 
     fn answer(&self, work: &Work) -> Result<(), Failure> {
         let mut ask = work.ask.clone();
-        let Read { robot, place, mut wrong } = match self.read(&mut ask) {
+        let read = match self.read(&mut ask) {
             Ok(read) => read,
             Err(wrong) => {
                 let problems: Vec<Value> = wrong.iter().map(problem).collect();
@@ -145,14 +145,30 @@ impl Explorer {
                 return Ok(());
             }
         };
+        let Read { robot, place, wrong } = read;
         let found = self.found(&ask, &robot, place, &work.course)?;
+        // What the file chooses, to compare with, where it is known already.
+        let plain = if ask.state.is_empty() { Some(found.clone()) } else { self.known(&Ask::default(), place) };
+        work.reply(self.viewed(&ask, &work.course, (&robot, place, wrong), (&found, plain.as_deref()))?.to_string());
+        if ask.design_only {
+            return Ok(());
+        }
+        self.rest(&ask, work, (&robot, place), (&found, plain.is_none()))
+    }
+
+    /// What is said of the joint that is viewed, and of the design that is looked at; `plain` is what was found by the file as it is.
+    fn viewed(
+        &self,
+        ask: &Ask,
+        course: &Arc<Course>,
+        (robot, place, mut wrong): (&Robot, usize, Vec<Wrong>),
+        (found, plain): (&Optimized, Option<&Optimized>),
+    ) -> Result<Value, Failure> {
         let result = &found.found().result.joints[0];
-        let changed = !ask.state.is_empty();
-        let compared = if changed { self.known(&Ask::default(), place).map(|of| before(&of)) } else { None };
         let mut views = Map::new();
-        let story = self.story(&found, &ask.design).unwrap_or_else(|why| {
+        let story = self.story(found, &ask.design).unwrap_or_else(|why| {
             wrong.push(Wrong::of("design", why));
-            self.story(&found, "").unwrap_or(Ok(None))
+            self.story(found, "").unwrap_or(Ok(None))
         });
         let looked = match &story {
             Ok(Some(story)) => view::design(found.robot(), story),
@@ -161,55 +177,59 @@ impl Explorer {
         };
         views.insert("design".into(), html::fragment(&looked));
         if !ask.design_only {
+            let compared = plain.filter(|_| !ask.state.is_empty()).map(before);
             let parts = view::headline(result, found.without(0), compared.as_ref());
             views.insert("headline".into(), html::fragment(&parts));
             views.insert("ranking".into(), html::fragment(&view::ranking(result)));
         }
-        let pins = self.pinned(&ask, &work.course, &mut wrong)?;
-        views.insert("pins".into(), html::fragment(&pins));
+        views.insert("pins".into(), html::fragment(&self.pinned(ask, course, &mut wrong)?));
         let joint = &robot.joints[place];
-        let own = self.file.joints.get(place).filter(|own| own.name == joint.name).unwrap_or(joint);
-        let mut reply = json!({
-            "ask": ask.ask, "joint": joint.name, "state": ask.state, "problems": wrong.iter().map(problem).collect::<Vec<_>>(),
-            "controls": controls::json((&self.file, own), (&robot, joint)), "objective": objective(joint),
-            "references": if changed { Value::Null } else { references(result) }, "notes": self.notes(&robot),
+        let problems: Vec<Value> = wrong.iter().map(problem).collect();
+        Ok(json!({
+            "ask": ask.ask, "joint": html::shown(&joint.name), "state": ask.state, "problems": problems,
+            "controls": controls::json((&self.file, &self.file.joints[place]), (robot, joint)), "objective": objective(joint),
+            "references": plain.map(|plain| references(&plain.found().result.joints[0])), "notes": self.notes(robot),
             "joints": [short(result)], "design": described(story.as_ref().ok().and_then(Option::as_ref), result),
-            "views": views, "pending": true,
-        });
-        if ask.design_only {
-            reply["pending"] = json!(false);
-        }
-        work.reply(reply.to_string());
-        if ask.design_only {
-            return Ok(());
-        }
-        let more = json!({
+            "views": views, "pending": !ask.design_only,
+        }))
+    }
+
+    /// What comes after the joint that is viewed: why the others cannot do it, the file's choice where it is `owed`, all other joints.
+    fn rest(
+        &self,
+        ask: &Ask,
+        work: &Work,
+        (robot, place): (&Robot, usize),
+        (found, owed): (&Optimized, bool),
+    ) -> Result<(), Failure> {
+        let result = &found.found().result.joints[0];
+        let reply = |what: Value| {
+            let mut reply = json!({ "ask": ask.ask, "pending": true });
+            if let (Some(reply), Value::Object(what)) = (reply.as_object_mut(), what) {
+                reply.extend(what);
+            }
+            work.reply(reply.to_string());
+        };
+        reply(json!({ "views": {
             "others": html::fragment(&view::others(result)), "trade": html::fragment(&[view::trade(result)]),
             "near": html::fragment(&view::near(found.robot(), result, found.catalog())),
-        });
-        work.reply(json!({ "ask": ask.ask, "views": more, "pending": true }).to_string());
-        if changed && compared.is_none() {
-            // What the file chooses, to compare with.
-            let plain = self.found(&Ask::default(), &self.file, place.min(self.file.joints.len() - 1), &work.course)?;
+        }}));
+        if owed {
+            let plain = self.found(&Ask::default(), &self.file, place, &work.course)?;
             let parts = view::headline(result, found.without(0), Some(&before(&plain)));
-            let views = json!({ "headline": html::fragment(&parts) });
             let references = references(&plain.found().result.joints[0]);
-            work.reply(
-                json!({ "ask": ask.ask, "views": views, "references": references, "pending": true }).to_string(),
-            );
+            reply(json!({ "views": { "headline": html::fragment(&parts) }, "references": references }));
         }
         let mut all = Vec::new();
         for other in 0..robot.joints.len() {
-            let found = self.found(&ask, &robot, other, &work.course)?;
+            let found = self.found(ask, robot, other, &work.course)?;
             if other != place {
-                let joints = [short(&found.found().result.joints[0])];
-                work.reply(json!({ "ask": ask.ask, "joints": joints, "pending": true }).to_string());
+                reply(json!({ "joints": [short(&found.found().result.joints[0])] }));
             }
             all.push(found);
         }
-        let whole = view::whole(&robot, all.iter().map(|found| found.found().result.joints[0].clone()).collect());
-        let views = json!({ "whole": html::fragment(&whole) });
-        work.reply(json!({ "ask": ask.ask, "views": views, "pending": false }).to_string());
+        let whole = view::whole(robot, all.iter().map(|found| found.found().result.joints[0].clone()).collect());
+        reply(json!({ "views": { "whole": html::fragment(&whole) }, "pending": false }));
         Ok(())
     }
 
@@ -290,7 +310,6 @@ impl Explorer {
 
     /// What is kept of a question by the file's joints.
     fn known(&self, ask: &Ask, place: usize) -> Option<Arc<Optimized>> {
-        let place = place.min(self.file.joints.len().saturating_sub(1));
         let key = self.key(ask, &self.file, place);
         let kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         kept.iter().find(|(known, _)| *known == key).map(|(_, found)| found.clone())
@@ -539,7 +558,7 @@ fn problem(wrong: &Wrong) -> Value {
 fn short(result: &JointResult) -> Value {
     let first = result.candidates.first();
     json!({
-        "joint": result.joint.name, "count": result.joint.count, "satisfied": first.is_some(), "text": view::in_short(result),
+        "joint": html::shown(&result.joint.name), "count": result.joint.count, "satisfied": first.is_some(), "text": view::in_short(result),
         "ratio": first.map(|d| d.evaluation.ratio), "motor": first.map(|d| d.motor.id.clone()),
     })
 }

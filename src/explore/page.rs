@@ -30,7 +30,7 @@ fn data(explorer: &Explorer, more: Value) -> Value {
     names.extend(Quantity::NAMES.iter().map(|(name, _)| *name));
     let mut data = json!({
         "name": explorer.file.name, "file": source.name(), "hash": source.sha256()[..8], "objectives": names,
-        "joints": explorer.file.joints.iter().map(|joint| &joint.name).collect::<Vec<_>>(),
+        "joints": explorer.file.joints.iter().map(|joint| html::shown(&joint.name)).collect::<Vec<_>>(),
     });
     if let (Some(data), Value::Object(more)) = (data.as_object_mut(), more) {
         data.extend(more);

@@ -21,7 +21,7 @@ const MAX_HEAD: usize = 16 * 1024;
 const MAX_BODY: usize = 64 * 1024;
 /// Most headers of a head.
 const MAX_HEADERS: usize = 64;
-/// Most connections that are served at once, and most that are told at once that there are too many.
+/// Most connections that are served at once, and most that hear at once that there are too many.
 const MAX_CONNECTIONS: usize = 16;
 /// How the two names of this computer are written in `Host` and `Origin`.
 const NAMES: [&str; 2] = ["127.0.0.1", "localhost"];
@@ -279,7 +279,7 @@ struct Times {
     body: Duration,
     /// Until a response is taken.
     write: Duration,
-    /// Until a client that has been told so ends the connection.
+    /// Until a client that was refused ends the connection.
     close: Duration,
 }
 

@@ -129,6 +129,25 @@ fn limits(story: &Explanation) -> Table {
     Table::of("Limits, the tightest first", &limit_columns()).rows(limit_rows(&story.evaluation.margins, story.joint))
 }
 
+/// Of a joint with load cases: which limits ask most in which case; nothing where there are none.
+fn cases(story: &Explanation) -> Option<Table> {
+    let cases = story.joint.motion.cases.as_deref()?;
+    let rows = cases.list.iter().map(|case| {
+        let mut here: Vec<_> = story
+            .evaluation
+            .margins
+            .iter()
+            .filter(|m| m.case(story.joint).is_some_and(|of| of.name == case.name))
+            .map(|m| (m.margin, m.limit))
+            .collect();
+        here.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(b.1)));
+        let least = here.first().map_or_else(String::new, |(margin, _)| percent(*margin));
+        let names: Vec<&str> = here.iter().map(|(_, limit)| *limit).collect();
+        vec![case.name.clone(), number(100.0 * case.share), least, names.join(", ")]
+    });
+    Some(Table::new("Load cases", &["case", ">share [%]", ">least margin", "limits that ask most in it"]).rows(rows))
+}
+
 /// A design that is looked at among others: how it stands, its diagrams, its limits, what it needs, where its loss is. The
 /// diagrams have no title, so that those of another design can take their place.
 pub fn looked_at(robot: &Robot, story: &Explanation) -> Vec<Part> {
@@ -160,6 +179,7 @@ pub fn looked_at(robot: &Robot, story: &Explanation) -> Vec<Part> {
     parts.extend(super::folded("How to read torque over speed", Some(Part::Text(CAPTION.into()))));
     parts.push(Part::Table(limits(story)));
     parts.push(Part::Text(Q_AXIS.into()));
+    parts.extend(cases(story).map(Part::Table));
     parts.extend(losses(story));
     parts.extend(super::folded("What it needs and weighs", Some(Part::Table(needs(story)))));
     let warnings = warnings(story);

@@ -102,7 +102,7 @@ fn stands(joint: &Joint, design: &Design) -> String {
         .chain(window.map(|window| format!("feasible from {window}")))
         .chain(tightest)
         .collect();
-    capitalised(&all.join("; "))
+    format!("What keeps its ratio: {}.", all.join("; "))
 }
 
 /// The answer in short; `nothing` is said where no motor is a choice, `before` is what is chosen by the file as it is, where something is set.
@@ -112,7 +112,7 @@ pub fn headline(result: &JointResult, nothing: Option<String>, before: Option<&B
     let first = result.candidates.first();
     parts.push(Part::Text(match first {
         Some(design) => format!("Take {}: {}; {}.", named(design), comes_to(joint, design), proved(design)),
-        None => nothing.unwrap_or_else(|| none_text(result)) + ".",
+        None => capitalised(&nothing.unwrap_or_else(|| none_text(result))),
     }));
     if let Some(design) = first {
         let spring = design.spring.as_ref();

@@ -185,6 +185,12 @@ fn section(result: &JointResult, outlook: Option<&Outlook>, names: &str, figure:
     parts.extend(crate::report::balance::sentences(result).into_iter().map(Part::Text));
     parts.extend(figure);
     parts.extend(candidates(result, names).part());
+    if result.candidates.len() > 1 {
+        parts.push(folded(
+            "What there is to trade: loss, inertia and mass of every design",
+            super::explore::trade(result),
+        ));
+    }
     parts.extend(losses(result, names));
     if let Some(first) = result.candidates.first() {
         let teeth = gear_of_ratio(joint, first.optimum.ratio).filter(|_| first.gear.is_none());

@@ -11,8 +11,11 @@ use crate::report::said::choice_text;
 /// The largest and the smallest mark, over the usual one: a mark's area goes with the mass.
 const SIZES: (f64, f64) = (2.4, 0.7);
 
-/// Loss, inertia and mass; `None` where one of the axes is not known.
-fn place(design: &Design) -> Option<(f64, f64, Option<f64>)> {
+/// Loss \[W\], inertia \[kg·m²\], and mass \[kg\] where it is known.
+type Place = (f64, f64, Option<f64>);
+
+/// Where a design stands; `None` where one of the axes is not known.
+fn place(design: &Design) -> Option<Place> {
     let e = &design.evaluation;
     (e.loss.is_finite() && e.reflected_inertia.is_finite()).then_some((e.loss, e.reflected_inertia, e.mass))
 }
@@ -44,11 +47,11 @@ impl Standing {
 
 /// The designs of a joint.
 pub fn panel(result: &JointResult) -> Panel {
-    let all: Vec<(&Design, (f64, f64, Option<f64>))> =
+    let all: Vec<(&Design, Place)> =
         result.candidates.iter().filter_map(|design| Some((design, place(design)?))).collect();
     let triples: Vec<[f64; 3]> =
         all.iter().filter_map(|(_, (loss, inertia, mass))| Some([*loss, *inertia, (*mass)?])).collect();
-    let standing = |(loss, inertia, mass): (f64, f64, Option<f64>)| match mass {
+    let standing = |(loss, inertia, mass): Place| match mass {
         None => Standing::NoMass,
         Some(mass) if triples.iter().any(|other| is_better(*other, [loss, inertia, mass])) => Standing::Behind,
         Some(_) => Standing::Front,

@@ -279,6 +279,26 @@ async function pending() {
   await of.close();
 }
 
+// What is clicked while a state is worked on does not leave the answer of another state.
+async function owed() {
+  const served = await serve("requirements/arm_six_axis_pick_and_place.toml");
+  const of = await open(served.url), { page } = of;
+  for (const wait of [0, 60, 300]) {
+    await page.evaluate((value) => { const e = document.getElementById("c-scale.torque"); e.value = value; e.dispatchEvent(new Event("input")); }, 300 + wait);
+    await page.waitForTimeout(wait);
+    await page.locator("#ranking .pick").nth(2).click();
+    await page.waitForTimeout(1500);
+    await settled(of);
+    const cards = () => page.locator("#joints button").allTextContents();
+    const seen = [await headline(of), await cards(), await page.locator("#views.stale").count()];
+    const again = await open(served.url + (await page.evaluate(() => location.hash)));
+    equal(seen, [await headline(again), await again.page.locator("#joints button").allTextContents(), 0], `clicked after ${wait} ms`);
+    await again.close();
+  }
+  await of.close();
+  await served.end();
+}
+
 // Everything by keyboard alone.
 async function keyboard(url) {
   const of = await open(`${url}#joint=knee`), { page, asked } = of;
@@ -414,7 +434,7 @@ const all = { controls, mistakes, rounds, late, designs, keyboard, tabs, looks, 
 const only = process.env.ONLY?.split(",");
 for (const [name, check] of Object.entries(all)) if (!only || only.includes(name)) { await check(served.url); console.log(`explore, ${name}: holds`); }
 await served.end();
-for (const [name, check] of Object.entries({ pending, hostile, alone })) if (!only || only.includes(name)) { await check(); console.log(`explore, ${name}: holds`); }
+for (const [name, check] of Object.entries({ pending, owed, hostile, alone })) if (!only || only.includes(name)) { await check(); console.log(`explore, ${name}: holds`); }
 const version = browser.version();
 await browser.close();
 console.log(`${checks} checks of the explorer hold in Chromium ${version}`);

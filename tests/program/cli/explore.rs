@@ -1,11 +1,17 @@
 //! The explorer, asked over its socket as a browser asks, and as a browser never would.
 
+use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use gearwise::ask::Rows;
+use gearwise::catalog::Catalog;
+use gearwise::explore::work::Next;
+use gearwise::explore::{Explorer, Ground};
+use gearwise::input::Source;
 use serde_json::{Value, json};
 
 use crate::common::repository;
@@ -507,4 +513,202 @@ fn a_wrong_call_is_told_before_anything_is_done() {
     let grid = format!("bus.voltage={}", many.join(","));
     let output = gearwise(&["explore", file, "--static", page, "--grid", &grid]);
     assert!(output.status.code() == Some(2) && stderr(&output).contains("400 answers at most"), "{}", stderr(&output));
+}
+
+#[test]
+fn a_stale_question_solves_no_more_motors() {
+    let source = Source::read(&repository("requirements/ankle_prosthesis_parallel_spring.toml")).unwrap();
+    let rows = Rows::new(Catalog::builtin().unwrap(), true, false);
+    let ground = Ground { source, begin: BTreeMap::new(), rows, words: Vec::new() };
+    let explorer = Explorer::new(ground, |words| words.join(" ")).unwrap();
+    let ask = |number: u64, torque: &str| {
+        let body = json!({ "tab": "a", "ask": number, "state": { "scale.torque": torque } }).to_string();
+        explorer.begin(&body, Box::new(|| ())).unwrap()
+    };
+    let first = ask(1, "1.01");
+    let (done, of) = std::thread::scope(|scope| {
+        let running = scope.spawn(|| explorer.run(&first));
+        while first.course.far().0 == 0 {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        let second = ask(2, "1.02");
+        running.join().unwrap();
+        assert!(!second.course.is_stopped());
+        first.course.far()
+    });
+    assert!(of > 100 && done < of / 2, "{done} of {of}");
+    assert_eq!(first.next(0), Next::Nothing);
+    // Of another page nothing is stopped, and what was stopped left nothing behind: asked again it is found.
+    let again = ask(3, "1.01");
+    explorer.run(&again);
+    assert!(matches!(again.next(0), Next::Reply(reply) if reply.contains("Take ")));
+}
+
+/// The text of a part of a reply, without its markup.
+fn text_of(reply: &Value, view: &str) -> String {
+    let html = reply["views"][view]["html"].as_str().unwrap_or_default();
+    let mut out = String::new();
+    for part in html.split('<') {
+        out.push_str(part.split_once('>').map_or(part, |(_, text)| text));
+        out.push(' ');
+    }
+    out.replace("&quot;", "\"").replace("&amp;", "&")
+}
+
+#[test]
+fn proved_is_said_of_what_is_proved_alone() {
+    let served = Served::shipped("exoskeleton_hip");
+    let mut number = 0;
+    let mut headline = |state: Value| {
+        number += 1;
+        let replies = served.ask(&json!({ "tab": "t", "ask": number, "state": state }));
+        text_of(&replies[0], "headline")
+    };
+    assert!(headline(json!({})).contains("; proved to be the best ratio of this motor."));
+    // A better ratio of this one cannot be judged.
+    let not = headline(json!({ "joint.hip.motors": "[\"maxon-ec-i-40-496660\"]" }));
+    assert!(not.contains("; not proved to be the best ratio of this motor.") && !not.contains("; proved"), "{not}");
+    // What none can do is not said where some cannot be judged.
+    let none = headline(json!({ "scale.torque": "30" }));
+    assert!(!none.contains("Take ") && none.contains("can be judged"), "{none}");
+}
+
+#[test]
+fn what_the_file_chooses_is_said_as_far_as_it_is_known() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = std::fs::read_to_string(repository("requirements/quadruped_mini_cheetah.toml")).unwrap();
+    let text = text
+        .replace("voltage = \"24 V\"", "voltage = \"3 V\"")
+        .replace("motions/", &format!("{}/", repository("requirements/motions").display()));
+    std::fs::write(folder.path().join("low.toml"), text).unwrap();
+    let served = Served::start(folder.path(), &["low.toml"]);
+    let replies = served.ask(&json!({ "tab": "t", "ask": 1, "joint": "knee", "state": { "bus.voltage": "24 V" } }));
+    let said =
+        replies.iter().map(|reply| text_of(reply, "headline")).filter(|text| !text.is_empty()).next_back().unwrap();
+    assert!(said.contains("By the file as it is: none that can be judged can do it"), "{said}");
+    assert!(said.contains("Take "), "{said}");
+}
+
+#[test]
+fn a_design_that_exceeds_a_limit_keeps_nothing_and_says_what_it_would_take() {
+    let served = Served::shipped("quadruped_mini_cheetah");
+    let mut number = 0;
+    let mut looked = |design: &str, voltage: &str| {
+        number += 1;
+        let ask = json!({ "tab": "t", "ask": number, "joint": "knee", "design": design, "state": { "bus.voltage": voltage } });
+        let reply = served.ask(&ask).remove(0);
+        assert_eq!(reply["problems"], json!([]), "{reply:.300}");
+        (reply["design"].clone(), text_of(&reply, "design"))
+    };
+    // The voltage that it is told to need is in the requirement's terms, and is enough.
+    let (design, text) = looked("t-motor-ri50@14", "24 V");
+    assert_eq!((&design["feasible"], &design["choice"]), (&json!(false), &json!(false)));
+    assert!(text.contains("is not feasible") && !text.contains("keeps every limit"), "{text:.400}");
+    let needed: Vec<f64> = text
+        .match_indices(": a bus of ")
+        .map(|(at, mark)| text[at + mark.len()..].split(' ').next().unwrap().parse().unwrap())
+        .collect();
+    let most = needed.iter().copied().fold(0.0, f64::max);
+    assert!(most > 24.0, "{text:.600}");
+    let over = |text: &str| {
+        text.contains("What is exceeded") && text.split("torque over speed").next().unwrap().contains(": a bus of ")
+    };
+    assert!(!over(&looked("t-motor-ri50@14", &format!("{most} V")).1), "{most} V is enough");
+    assert!(over(&looked("t-motor-ri50@14", &format!("{} V", 0.99 * most)).1), "{} V is not", 0.99 * most);
+    // A ratio outside of what the requirement allows is no choice, whatever it keeps.
+    let (design, text) = looked("tq-robodrive-ilm-e70x18-delta-serial@21", "48 V");
+    assert_eq!(design["choice"], json!(false), "{text:.300}");
+    assert!(text.contains("outside of the ratios that the requirement allows"), "{text:.300}");
+}
+
+#[test]
+fn a_design_pinned_twice_has_no_difference() {
+    let served = Served::shipped("quadruped_mini_cheetah");
+    let pin = "joint=knee&design=tq-robodrive-ilm-e70x18-delta-serial%4013";
+    let cells = |pins: [&str; 2]| {
+        let replies = served.ask(&json!({ "tab": "t", "ask": 1, "pins": pins }));
+        let html = replies[0]["views"]["pins"]["html"].as_str().unwrap().to_string();
+        let rows = html.split("<tr>").skip(2).map(|row| {
+            row.split("<td")
+                .skip(1)
+                .map(|cell| cell.split_once('>').unwrap().1.split('<').next().unwrap().trim().to_string())
+                .collect::<Vec<_>>()
+        });
+        rows.collect::<Vec<_>>()
+    };
+    let same = cells([pin, pin]);
+    assert!(same.len() > 15, "{same:?}");
+    for row in &same {
+        assert_eq!(row[2], row[3], "{row:?}");
+        assert!(["0", "–"].contains(&row[4].as_str()), "{row:?}");
+    }
+    // Amperes of two kinds have one name.
+    assert_eq!(same.iter().filter(|row| row[0] == "current, rms").count(), 2);
+    let other = cells([pin, "joint=knee&design=tq-robodrive-ilm-e70x18-delta-serial%4012"]);
+    assert!(other.iter().any(|row| row[4].contains('%')), "{other:?}");
+    // One that cannot be read leaves the other its name.
+    let replies = served.ask(&json!({ "tab": "t", "ask": 2, "pins": ["joint=knee&design=nomotor", pin] }));
+    assert!(text_of(&replies[0], "pins").contains("B: At knee") && replies[0]["problems"][0]["key"] == "pin");
+}
+
+#[test]
+fn the_joints_stay_those_of_the_file() {
+    let served = Served::shipped("quadruped_mini_cheetah");
+    for (key, value) in
+        [("joint", "[]"), ("joint.knee.name", "hip2"), ("joint.knee", "{ name = \"knee\" }"), ("joint.*.name", "x")]
+    {
+        for (path, status) in [("ask", 200), ("toml", 200), ("fronts", 200), ("report", 200)] {
+            let ask = json!({ "tab": "t", "ask": 1, "state": { key: value } });
+            let (got, _, body) = served.post(path, &ask.to_string());
+            assert_eq!(got, status, "{key} {path}: {body:.300}");
+            assert!(body.contains("problems") && !body.contains("views"), "{key} {path}: {body:.300}");
+        }
+    }
+}
+
+#[test]
+fn what_the_call_sets_is_the_state_that_is_begun_with() {
+    let file = "requirements/quadruped_mini_cheetah.toml";
+    let served = Served::start(&repository(""), &[file, "--set", "scale.torque=1.4", "--set", "bus.voltage=30 V"]);
+    let (_, _, page) = served.get("");
+    assert!(page.contains("\"link\":\"bus.voltage=30%20V\\u0026scale.torque=1.4\""), "the link is in the page");
+    // The file is the file.
+    let replies = served.ask(&json!({ "tab": "t", "ask": 1 }));
+    let plain = gearwise(&["optimize", file, "--json"]);
+    assert_eq!(choices(&replies), chosen(&serde_json::from_slice(&plain.stdout).unwrap()));
+    let voltage = replies[0]["controls"].as_array().unwrap().iter().find(|c| c["key"] == "bus.voltage").unwrap();
+    assert_eq!(voltage["file"], 24.0);
+    let wrong = gearwise(&["explore", file, "--set", "bus.voltage=30 V", "--state", "bus.voltage=31%20V"]);
+    assert!(
+        wrong.status.code() == Some(2) && stderr(&wrong).contains("by `--set` and by `--state`"),
+        "{}",
+        stderr(&wrong)
+    );
+    let wrong = gearwise(&["explore", file, "--set", "bus.voltage=30 X"]);
+    assert!(wrong.status.code() == Some(2) && stderr(&wrong).contains("unknown unit"), "{}", stderr(&wrong));
+}
+
+#[test]
+fn grids_that_say_a_thing_twice_or_too_much_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = folder.path().join("p.html");
+    let page = page.to_str().unwrap();
+    let file = "requirements/exoskeleton_hip.toml";
+    let said = |more: &[String]| {
+        let base = ["explore", file, "--static", page].map(str::to_string);
+        let all: Vec<String> = base.into_iter().chain(more.iter().cloned()).collect();
+        let output = gearwise(&all.iter().map(String::as_str).collect::<Vec<_>>());
+        assert_eq!(output.status.code(), Some(2), "{more:?}");
+        stderr(&output)
+    };
+    let grid = |text: &str| ["--grid".to_string(), text.to_string()];
+    assert!(
+        said(&[grid("bus.voltage=24 V,36 V"), grid("bus.voltage=30 V,40 V")].concat()).contains("has values already")
+    );
+    assert!(
+        said(&[&grid("bus.voltage=24 V,36 V")[..], &["--set".into(), "bus.voltage=30 V".into()]].concat())
+            .contains("`--set` gives")
+    );
+    let many: Vec<String> = (0..64).flat_map(|k| grid(&format!("a{k}=1,2"))).collect();
+    assert!(said(&many).contains("More points than can be counted"));
 }
