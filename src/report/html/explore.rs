@@ -10,7 +10,7 @@ use crate::design::outlook::Outlook;
 use crate::design::program::Certificate;
 use crate::report::answer::{binds, checked};
 use crate::report::explain::{capitalised, quantities};
-use crate::report::plot::{Figure, Group, design as plot, trade};
+use crate::report::plot::{design as plot, trade};
 use crate::report::said::{gear_of_ratio, joint_notes, margin_at, per_cent, windows_text, with_gear};
 use crate::report::spring;
 use crate::report::{design_ratio, number};
@@ -195,8 +195,7 @@ pub fn others(result: &JointResult) -> Vec<Part> {
 
 /// Loss, inertia and mass of every design.
 pub fn trade(result: &JointResult) -> Part {
-    let group = Group { panels: vec![trade::panel(result)], ..Group::default() };
-    Part::Figure(Figure { groups: vec![group], columns: 1, panel: (560.0, 400.0), ..Figure::default() })
+    Part::Figure(trade::figure(result))
 }
 
 /// A design that is looked at: how it stands, in a sentence, and all that is known of it.

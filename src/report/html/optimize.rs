@@ -12,7 +12,7 @@ use crate::report::optimize::{
     bind_text, budget_lines, choice_text, joint_notes, notes, proof, ratio_text, rewound_text, verdict, without_choice,
 };
 use crate::report::outlook::{heading, near_gear_cells, no_gear};
-use crate::report::plot::design as plot;
+use crate::report::plot::{design as plot, trade};
 use crate::report::reason::reason_text;
 use crate::report::said::gear_of_ratio;
 use crate::report::{columns, design_ratio, different_motors, number, optional, spring};
@@ -188,7 +188,7 @@ fn section(result: &JointResult, outlook: Option<&Outlook>, names: &str, figure:
     if result.candidates.len() > 1 {
         parts.push(folded(
             "What there is to trade: loss, inertia and mass of every design",
-            super::explore::trade(result),
+            Part::Figure(trade::figure(result)),
         ));
     }
     parts.extend(losses(result, names));

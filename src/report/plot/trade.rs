@@ -3,10 +3,9 @@
 //!
 //! The one idea: the eye sees two axes and the size of a mark. A design stands out where no other one is better in all three.
 
-use super::{Axis, Mark, Panel, Scale, Series, Shape, Tone};
+use super::{Axis, Figure, Group, Mark, Panel, Scale, Series, Shape, Tone};
 use crate::design::answer::{Design, JointResult};
-use crate::report::number;
-use crate::report::said::choice_text;
+use crate::report::{design_ratio, number};
 
 /// The largest and the smallest mark, over the usual one: a mark's area goes with the mass.
 const SIZES: (f64, f64) = (2.4, 0.7);
@@ -45,8 +44,14 @@ impl Standing {
     ];
 }
 
+/// The designs of a joint as a figure without a title.
+pub fn figure(result: &JointResult) -> Figure {
+    let group = Group { panels: vec![panel(result)], ..Group::default() };
+    Figure { groups: vec![group], columns: 1, panel: (560.0, 400.0), ..Figure::default() }
+}
+
 /// The designs of a joint.
-pub fn panel(result: &JointResult) -> Panel {
+fn panel(result: &JointResult) -> Panel {
     let all: Vec<(&Design, Place)> =
         result.candidates.iter().filter_map(|design| Some((design, place(design)?))).collect();
     let triples: Vec<[f64; 3]> =
@@ -92,7 +97,8 @@ pub fn panel(result: &JointResult) -> Panel {
             let points = of.iter().map(|(_, at)| (at.0, at.1)).collect();
             let notes = of.iter().map(|(design, at)| {
                 let mass = at.2.map_or_else(|| "mass not known".into(), |mass| format!("{} kg", number(mass)));
-                format!("{}, {mass}", choice_text(design))
+                let gear = design.gear.map_or_else(String::new, |gear| format!(" with {gear}"));
+                format!("{}{gear} at N = {}, {mass}", design.motor.id, design_ratio(design))
             });
             let series = Series::new(tone, Mark::Points(shape), points)
                 .of(of.iter().map(|(design, _)| design.motor.id.clone()).collect())
