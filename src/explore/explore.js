@@ -6,14 +6,14 @@
   // What is asked: values in the place of the file's, and what is looked at.
   let now = { state: {}, joint: known.joints[0], design: "", filter: "", pins: [] };
   // What was answered last.
-  const shown = { controls: [], joints: {}, design: null, objective: null, references: null, motor: "" };
+  const shown = { controls: [], joints: {}, design: null, objective: null, references: {} };
   const times = (window.gearwiseTimes = []);
   let number = 0, flying = false, waits = null, standing = 0, applying = false;
   // Whether the full answer to this state is still owed, and whether what is wrong with it may be left out.
   let owed = true, lenient = false;
 
   // ---- the state as a link
-  const part = (text) => encodeURIComponent(text).replace(/%20/g, "%20");
+  const part = encodeURIComponent;
   function linkOf(of, whole = true) {
     const all = Object.entries(of.state).sort().map(([key, value]) => `${part(key)}=${part(value)}`);
     if (known.joints.length > 1 || of.joint !== known.joints[0]) all.push(`joint=${part(of.joint)}`);
@@ -122,9 +122,10 @@
       if (reply.joint && reply.joint !== now.joint) now.joint = reply.joint;
     }
     if (reply.objective) shown.objective = reply.objective;
-    if (reply.references) (shown.references ??= {})[now.joint] = reply.references;
+    if (reply.references) shown.references[reply.joint ?? asked.joint] = reply.references;
     if (reply.controls) controls(reply.controls);
     if (reply.problems) problems(reply.problems);
+    // What was asked since is answered within a moment, or says that it is not: to draw this in grey meanwhile would flicker.
     if (reply.views?.headline || (reply.views?.design && asked.design_only)) views.classList.remove("stale");
     else if (reply.problems?.length && !answered) views.classList.add("stale");
     if (reply.design !== undefined) shown.design = reply.design;
@@ -262,7 +263,7 @@
     pick.addEventListener("change", () => {
       const { key } = shown.objective, reference = key.replace(/objective$/, "reference");
       if (pick.value === "weights of three") {
-        const of = shown.references?.[now.joint] ?? {};
+        const of = shown.references[now.joint] ?? {};
         if (WEIGHED.some((name) => !of[name]?.[0])) return banner([{ key: "", message: "weights need a first choice by the file whose loss, mass and inertia are known", help: "" }]);
         now.state[reference] = `{ ${WEIGHED.map((name) => `${name} = "${digits(of[name][0], 4)} ${of[name][1]}"`).join(", ")} }`;
         weigh([1, 1, 1]);
