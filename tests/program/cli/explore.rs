@@ -583,12 +583,7 @@ fn what_the_file_chooses_is_said_as_far_as_it_is_known() {
     std::fs::write(folder.path().join("low.toml"), text).unwrap();
     let served = Served::start(folder.path(), &["low.toml"]);
     let replies = served.ask(&json!({ "tab": "t", "ask": 1, "joint": "knee", "state": { "bus.voltage": "24 V" } }));
-    let said = replies
-        .iter()
-        .map(|reply| text_of(reply, "headline"))
-        .filter(|text| !text.trim().is_empty())
-        .next_back()
-        .unwrap();
+    let said = replies.iter().map(|reply| text_of(reply, "headline")).rfind(|text| !text.trim().is_empty()).unwrap();
     assert!(said.contains("By the file as it is: none that can be judged can do it"), "{said}");
     assert!(said.contains("Take "), "{said}");
 }
