@@ -276,8 +276,19 @@ pub fn look<'a>(
     best: Result<(&Optimum, Option<SpringChoice>), &Reason>,
 ) -> Result<Explanation<'a>, Unusable> {
     let spring = best.ok().and_then(|(_, spring)| spring);
-    let with = |spring: SpringChoice| joint.with_spring(spring.stiffness, spring.rest_angle.unwrap_or(0.0));
-    let moved = spring.and_then(with);
+    let chosen = spring.map(|spring| (spring.stiffness, spring.rest_angle.unwrap_or(0.0)));
+    // Where there has to be a spring, a motor that cannot do it is looked at with the one that comes nearest.
+    let nearest_spring = match (best, &joint.limits.spring) {
+        (Err(_), Some(asked)) if asked.stiffness[0] > 0.0 => {
+            let load = load_through(joint, gear);
+            let mount = Mount::new(robot, joint, &load, motor).with_gear(gear);
+            let fixed = ratio.or(mount.gear.map(|gear| gear.ratio)).map(|ratio| (ratio, ratio));
+            let range = fixed.or(joint.ratio.range()).unwrap_or((1.0, 1.0));
+            nearest(&mount, &mount.prepared()?, range)
+        }
+        _ => None,
+    };
+    let moved = chosen.or(nearest_spring).and_then(|(stiffness, rest)| joint.with_spring(stiffness, rest));
     let own = moved.as_ref().unwrap_or(joint);
     let load = load_through(own, gear);
     let mount = Mount::new(robot, own, &load, motor).with_gear(gear);
@@ -288,9 +299,15 @@ pub fn look<'a>(
     let free = joint.ratio.range().filter(|_| mount.gear.is_none());
     let ratio = ratio.or(mount.gear.map(|gear| gear.ratio)).or(best.ok().map(|(optimum, _)| optimum.ratio));
     let here = ratio.unwrap_or_else(|| free.map_or(1.0, |range| nearest_ratio(&prepared, range)));
+    let best_reason = best.err().cloned();
     let best = free.map(|_| best.map(|(optimum, _)| optimum.clone()).map_err(Clone::clone));
     let mut story = at(&prepared, (joint, motor, gear), here, best);
-    story.spring = spring.map(Ok);
+    story.spring = match (spring, best_reason) {
+        (Some(spring), _) => Some(Ok(spring)),
+        (None, Some(reason)) if joint.limits.spring.is_some() => Some(Err(reason)),
+        _ => None,
+    };
+    story.nearest_spring = nearest_spring;
     story.remedies = remedies_at(&prepared, here);
     Ok(story)
 }

@@ -11,6 +11,8 @@
   let number = 0, flying = false, waits = null, standing = 0, applying = false;
   // Whether the full answer to this state is still owed, and whether what is wrong with it may be left out.
   let owed = true, lenient = false;
+  // Whether the next answer moves what has the focus, too: it is of another state, not of what is turned.
+  let moved = false;
 
   // ---- the state as a link
   const part = encodeURIComponent;
@@ -128,7 +130,7 @@
     // What was asked since is answered within a moment, or says that it is not: to draw this in grey meanwhile would flicker.
     if (reply.views?.headline || (reply.views?.design && asked.design_only)) views.classList.remove("stale");
     else if (reply.problems?.length && !answered) views.classList.add("stale");
-    if (reply.design !== undefined) shown.design = reply.design;
+    if (reply.design !== undefined) Object.assign(shown, { design: reply.design, ask: asked.ask });
     for (const joint of reply.joints ?? []) shown.joints[joint.joint] = { ...joint, of: asked.ask };
     if (reply.joints || reply.pending === false) joints(asked.ask, reply.pending !== false);
     for (const [name, fragment] of Object.entries(reply.views ?? {})) mount(at(name), fragment);
@@ -138,6 +140,7 @@
     if (reply.notes) at("notes").replaceChildren(...reply.notes.map((note) => make("p", note, "note")));
     if (reply.views?.headline) speak();
     if (live && reply.design !== undefined) mark();
+    if (reply.design !== undefined && !waits) moved = false;
     at("undo").disabled = !Object.keys(now.state).length && !now.design && history.length < 2;
     applying = false;
   }
@@ -199,7 +202,7 @@
     const of = (joint) => all.filter((c) => c.joint === joint).map(control), joints = of(true);
     at("controls").replaceChildren(make("h3", known.joints.length > 1 ? "the whole robot" : "the supply, the motion"), ...of(false), ...(joints.length ? [make("h3", `the joint ${now.joint}`), ...joints] : []));
     if (live) at("controls").append(objectiveBox());
-    at("ground").textContent = live ? `Turned values are put in the place of those of ${known.file} as it was read when the program started; the file is not changed.` : "This page holds answers that were worked out before, at the values of its sliders: there is no other ratio, motor or pin to look at. gearwise explore does that.";
+    at("ground").textContent = live ? `Turned values are put in the place of those of ${known.file} as it was read when the program started; the file is not changed.` : "This page holds answers that were worked out before, at the values of its sliders: there is no other ratio, motor or pin to look at. gearwise explore does that." + (Object.keys(known.begin).length ? ` All with ${Object.entries(known.begin).map(([key, value]) => `${key} = ${value}`).join(", ")} in the place of the file's.` : "");
   }
   function control(c) {
     const box = make("div", "", "control"), label = document.createElement("label"), row = make("div", "", "row");
@@ -239,9 +242,9 @@
     box.querySelector(".was").textContent = c.values ? print(c.values[Number(c.at)]) : text === undefined ? (c.file === null ? "not set" : "as in the file") : `file: ${print(fileWords(c)) || "not set"}`;
     box.querySelector(".undo").disabled = text === undefined || Boolean(c.values);
     if (c.values) range.value = c.at;
-    else if (document.activeElement !== range || said === null) range.value = said === null ? 1000 : place(c, said);
+    else if (moved || document.activeElement !== range || said === null) range.value = said === null ? 1000 : place(c, said);
     range.setAttribute("aria-valuetext", words ? print(words) : "not set");
-    if (field && document.activeElement !== field) field.value = words;
+    if (field && (moved || document.activeElement !== field)) field.value = words;
   }
   function set(key, text) {
     const file = shown.controls.find((c) => c.key === key);
@@ -350,9 +353,9 @@
     at("first").hidden = !live || !now.design;
     at("pin").hidden = !live || !design;
     if (!range) return;
-    if (document.activeElement !== slider) slider.value = place({ low: range[0], high: range[1], log: true }, design.ratio);
+    if (moved || document.activeElement !== slider) slider.value = place({ low: range[0], high: range[1], log: true }, design.ratio);
     slider.setAttribute("aria-valuetext", design.text);
-    if (document.activeElement !== field) field.value = design.text;
+    if (moved || document.activeElement !== field) field.value = design.text;
     at("ratio-best").disabled = !design.best;
   }
   const tune = (text) => { if (shown.design) look(`${shown.design.motor}@${text}`); };
@@ -368,6 +371,7 @@
   // ---- pins
   at("pin").addEventListener("click", () => {
     const { design } = shown;
+    if (at("views").classList.contains("stale") || waits || shown.ask !== number) return busy("not pinned: there is no answer to these values yet");
     const pin = linkOf({ ...now, design: design.gear ? `${design.motor}@${design.gear}` : `${design.motor}@${design.ratio}` }, false);
     now.pins = [...now.pins.filter((other) => other !== pin), pin].slice(-2);
     ask({ design_only: true });
@@ -434,6 +438,7 @@
   function begin(link) {
     const { of, left } = ofLink(link);
     now = of;
+    moved = true;
     ofThisLink = left;
     ask({ lenient: true });
   }

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
 use super::page::{Demo, demo};
-use super::state::Ask;
+use super::state::{Ask, overlap};
 use super::work::{Next, Work};
 use super::{Explorer, controls};
 use crate::ask::Failure;
@@ -52,8 +52,8 @@ impl Axis {
     /// Which does.
     pub fn check(axes: &[Axis], explorer: &Explorer) -> Result<(), String> {
         for (k, axis) in axes.iter().enumerate() {
-            if axes[..k].iter().any(|other| other.key == axis.key) {
-                return Err(format!("`--grid {}`: this key has values already", axis.key));
+            if let Some(other) = axes[..k].iter().find(|other| overlap(&other.key, &axis.key)) {
+                return Err(format!("`--grid {}`: this key has values already, by `{}`", axis.key, other.key));
             }
             if explorer.begins_with(&axis.key) {
                 return Err(format!("`--grid {}`: `--set` gives this key a value", axis.key));

@@ -238,7 +238,7 @@ impl Explorer {
         let mut wrong = Vec::new();
         let robot = match self.robot_of(&ask.state) {
             Ok(robot) => robot,
-            Err(why) if !ask.lenient => return Err(why),
+            Err(why) if !ask.lenient => return Err(self.placed(&ask.state, why)),
             Err(_) => {
                 let mut kept = BTreeMap::new();
                 let mut left: Vec<(String, String)> = std::mem::take(&mut ask.state).into_iter().collect();
@@ -266,6 +266,18 @@ impl Explorer {
             wrong.push(Wrong::of("joint", format!("there is no joint `{}`", ask.joint)));
         }
         Ok(Read { robot, place: place.unwrap_or(0), wrong })
+    }
+
+    /// Mistakes of a whole file, each at the first key without which there is none.
+    fn placed(&self, state: &BTreeMap<String, String>, wrong: Vec<Wrong>) -> Vec<Wrong> {
+        let without = |key: &String| {
+            let mut other = state.clone();
+            other.remove(key);
+            self.robot_of(&other).is_ok()
+        };
+        let whose = || state.keys().find(|key| without(key)).cloned().unwrap_or_default();
+        let place = |w: Wrong| if w.key.is_empty() { Wrong { key: whose(), ..w } } else { w };
+        wrong.into_iter().map(place).collect()
     }
 
     /// The requirement with values in the place of its own.
@@ -505,7 +517,7 @@ impl Explorer {
 
     /// Whether the page begins with a value of this key.
     fn begins_with(&self, key: &str) -> bool {
-        self.ground.begin.contains_key(key)
+        self.ground.begin.keys().any(|own| state::overlap(own, key))
     }
 
     /// The state that is begun with, as a link.

@@ -29,7 +29,7 @@ fn data(explorer: &Explorer, more: Value) -> Value {
     let mut names = vec!["balanced"];
     names.extend(Quantity::NAMES.iter().map(|(name, _)| *name));
     let mut data = json!({
-        "name": explorer.file.name, "file": source.name(), "hash": source.sha256()[..8], "objectives": names,
+        "name": explorer.file.name, "file": source.name(), "hash": source.sha256()[..8], "objectives": names, "begin": explorer.ground.begin,
         "joints": explorer.file.joints.iter().map(|joint| html::shown(&joint.name)).collect::<Vec<_>>(),
     });
     if let (Some(data), Value::Object(more)) = (data.as_object_mut(), more) {

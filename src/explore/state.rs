@@ -107,6 +107,11 @@ impl Ask {
     }
 }
 
+/// Whether two keys set the same value, or one a part of what the other sets; `*` is any joint.
+pub fn overlap(one: &str, other: &str) -> bool {
+    one.split('.').zip(other.split('.')).all(|(a, b)| a == b || a == "*" || b == "*")
+}
+
 /// That a state is not too large.
 fn check(state: &BTreeMap<String, String>) -> Result<(), String> {
     if state.len() > MOST.0 {
@@ -210,6 +215,15 @@ mod tests {
         );
         let of_all = set(&[("joint.*.limits.safety", "2")]);
         assert_ne!(of_all.of_joint("knee", &names, false), plain.of_joint("knee", &names, false));
+    }
+
+    #[test]
+    fn keys_overlap_where_one_is_a_part_of_the_other() {
+        assert!(overlap("joint.*.limits.safety", "joint.knee.limits.safety") && overlap("bus", "bus.voltage"));
+        assert!(
+            !overlap("joint.*.limits.safety", "joint.knee.limits.actuator_mass")
+                && !overlap("bus.voltage", "bus.power")
+        );
     }
 
     #[test]

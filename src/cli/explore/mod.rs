@@ -15,7 +15,7 @@ use self::http::{Method, Request, Response, Server};
 use super::progress::Telling;
 use super::{Call, CatalogChoice, Done, Failure, Set};
 use crate::explore::grid::{self, Axis};
-use crate::explore::state::{Ask, Wrong};
+use crate::explore::state::{Ask, Wrong, overlap};
 use crate::explore::work::{Next, Work};
 use crate::explore::{Explorer, Ground};
 use crate::input::Source;
@@ -67,6 +67,7 @@ pub fn run(arguments: &Arguments, _: &Call) -> Result<Done, Failure> {
     words.extend(arguments.catalog.words());
     // What is set is told with its place before anything else; then it is the state that the page begins with.
     arguments.set.settings()?.read(&source, None)?;
+    arguments.apart()?;
     let ground = Ground { source, begin: arguments.begin(), rows: arguments.catalog.rows()?, words };
     let explorer = Arc::new(Explorer::new(ground, |words| super::call(words.into_iter()))?);
     explorer.check().map_err(|wrong| {
@@ -84,6 +85,19 @@ impl Arguments {
     fn begin(&self) -> std::collections::BTreeMap<String, String> {
         let pairs = self.set.set.iter().filter_map(|text| text.split_once('='));
         pairs.map(|(key, value)| (key.trim().to_string(), value.trim().to_string())).collect()
+    }
+
+    /// That no two values of `--set` are of the same thing: a state has no order in which one would win.
+    fn apart(&self) -> Result<(), Failure> {
+        let keys: Vec<String> = self.begin().into_keys().collect();
+        for (k, key) in keys.iter().enumerate() {
+            if let Some(other) = keys[..k].iter().find(|other| overlap(other, key)) {
+                return Err(Failure::Argument(format!(
+                    "`--set {other}` and `--set {key}` set the same value: give one"
+                )));
+            }
+        }
+        Ok(())
     }
 
     /// The requirement, and the axes of the grid that were asked for.
@@ -115,6 +129,10 @@ impl Arguments {
     /// Writes the page that needs no program.
     fn write(&self, explorer: &Explorer, axes: Vec<Axis>, path: &Path) -> Result<Done, Failure> {
         let axes = if axes.is_empty() { Axis::usual(explorer) } else { axes };
+        if axes.is_empty() {
+            let message = "`--set` gives the usual sliders a value: give others with `--grid KEY=VALUE,VALUE`";
+            return Err(Failure::Argument(message.into()));
+        }
         let points = grid::points(&axes).unwrap_or(0);
         let work = self.telling.counted(points.saturating_mul(explorer.robot().joints.len()), "answers");
         let page = grid::page(explorer, &axes, &|| work.step(), &|| false)?;

@@ -94,13 +94,18 @@ pub fn ratio_text(story: &Explanation) -> String {
 /// What a remedy is in the requirement's own numbers, where its limit goes with one of them: limits are in q-axis volts and amperes.
 fn in_own_terms(robot: &Robot, story: &Explanation, remedy: &Remedy) -> Option<String> {
     let times = (remedy.needed / remedy.bound).max(1.0);
-    let drive = story.joint.drive_current.or(robot.bus.drive_current);
-    match (remedy.owner, remedy.unit) {
-        // A supply with a resistance sags under the power; what it then needs is another question.
-        ("bus", "V") if times.is_finite() && robot.bus.internal_resistance.is_none() => {
-            Some(format!("a bus of {} V in place of {} V", up(robot.bus.voltage * times), number(robot.bus.voltage)))
+    let (bus, drive) = (&robot.bus, story.joint.drive_current.or(robot.bus.drive_current));
+    // A supply with a resistance sags under the power; what it then needs is another question.
+    let stiff = times.is_finite() && bus.internal_resistance.is_none();
+    match remedy.limit {
+        "voltage" | "torque_bandwidth_voltage" if remedy.owner == "bus" && stiff => {
+            let needed = up(bus.voltage * times);
+            let most = bus.max_voltage.filter(|most| bus.voltage * times >= *most);
+            let more =
+                most.map_or_else(String::new, |most| format!(", more than its max_voltage of {} V", number(most)));
+            Some(format!("a bus of {needed} V in place of {} V{more}", number(bus.voltage)))
         }
-        ("drive", "A") if times.is_finite() => {
+        "peak_current" | "torque_bandwidth_current" if remedy.owner == "drive" && times.is_finite() => {
             drive.map(|own| format!("a drive of {} A (phase amplitude) in place of {} A", up(own * times), number(own)))
         }
         _ => None,
@@ -154,13 +159,18 @@ pub fn looked_at(robot: &Robot, story: &Explanation) -> Vec<Part> {
     let mut parts: Vec<Part> = tightest(story).map(Part::Text).into_iter().collect();
     match &story.best {
         Some(Ok(optimum)) => parts.push(Part::Text(best_line(story, optimum))),
-        Some(Err(reason)) => {
+        // Of a joint with a spring the same is said below.
+        Some(Err(reason)) if story.spring.is_none() => {
             parts.push(Part::Text(format!("No ratio of this motor will do: {}.", reason_text(reason, story.joint).1)));
         }
-        None => {}
+        _ => {}
     }
-    if let Some(Ok(found)) = &story.spring {
-        parts.push(Part::Text(format!("Parallel spring: {}.", spring::text(found, story.evaluation.loss))));
+    match &story.spring {
+        Some(Ok(found)) => {
+            parts.push(Part::Text(format!("Parallel spring: {}.", spring::text(found, story.evaluation.loss))));
+        }
+        Some(Err(why)) => parts.push(Part::Text(no_spring(story, why))),
+        None => {}
     }
     parts.extend(
         gear_of_ratio(story.joint, story.evaluation.ratio)

@@ -14,7 +14,7 @@ use crate::report::plot::{design as plot, trade};
 use crate::report::said::{gear_of_ratio, joint_notes, margin_at, per_cent, windows_text, with_gear};
 use crate::report::spring;
 use crate::report::{design_ratio, number};
-use crate::requirement::{Joint, Quantity, Robot};
+use crate::requirement::{Budget, Joint, Quantity, Robot};
 
 /// What is chosen in another state, to be compared with.
 #[derive(Debug, Clone, PartialEq)]
@@ -181,11 +181,17 @@ pub fn near(robot: &Robot, result: &JointResult, catalog: &Catalog) -> Vec<Part>
 /// What the first choices of all joints come to, with the budgets of the requirement.
 pub fn whole(robot: &Robot, joints: Vec<JointResult>) -> Vec<Part> {
     let result = crate::design::answer::RobotResult { robot, joints };
-    if result.joints.len() < 2 && robot.budget.actuator_mass.is_none() {
-        return Vec::new();
+    let mut parts = Vec::new();
+    if result.joints.len() > 1 || robot.budget.actuator_mass.is_some() {
+        let lines = crate::report::optimize::budget_lines(&result);
+        parts.push(Part::Text(format!("All first choices together, each joint by itself: {}.", lines.join("; "))));
     }
-    let lines = crate::report::optimize::budget_lines(&result);
-    vec![Part::Text(format!("All first choices together, each joint by itself: {}.", lines.join("; ")))]
+    let Budget { power, current, regeneration, .. } = robot.budget;
+    if [power, current, regeneration].iter().any(Option::is_some) || robot.shared_resistance().is_some() {
+        let text = "What the whole robot may draw and give back is not looked at here: gearwise optimize does.";
+        parts.push(Part::Text(text.into()));
+    }
+    parts
 }
 
 /// Why the other motors are no choice.
