@@ -711,3 +711,82 @@ fn grids_that_say_a_thing_twice_or_too_much_are_refused() {
     let many: Vec<String> = (0..64).flat_map(|k| grid(&format!("a{k}=1,2"))).collect();
     assert!(said(&many).contains("More points than can be counted"));
 }
+
+#[test]
+fn what_would_not_help_is_not_advised() {
+    let served = Served::shipped("quadruped_mini_cheetah");
+    let looked = |state: Value, design: &str| {
+        let ask = json!({ "tab": "t", "ask": 1, "joint": "knee", "design": design, "state": state });
+        let reply = served.ask(&ask).remove(0);
+        assert_eq!(reply["problems"], json!([]), "{reply:.300}");
+        text_of(&reply, "design")
+    };
+    // What a drive gives for long is another number than what it gives at once.
+    let text = looked(json!({ "bus.drive_continuous_current": "6 A" }), "allied-mf0127008-48v");
+    let advice = |limit: &str| {
+        let from = text.find(&format!("{limit} of at least")).unwrap_or_else(|| panic!("{limit}: {text:.900}"));
+        text[from..].split("  ").next().unwrap().to_string()
+    };
+    assert!(!advice("drive_continuous_current").contains(": a drive of"), "{text:.900}");
+    // A bus that may not rise so far is told with what it may.
+    let text = looked(json!({ "bus.max_voltage": "25 V" }), "t-motor-ri50@14");
+    assert!(text.contains(": a bus of ") && text.contains(", more than its max_voltage of 25 V"), "{text:.900}");
+}
+
+#[test]
+fn a_mistake_of_several_values_is_told_at_one_of_them() {
+    let served = Served::shipped("quadruped_mini_cheetah");
+    let state = json!({ "joint.hip_abad.ratio.min": "118", "scale.torque": "1.1" });
+    let replies = served.ask(&json!({ "tab": "t", "ask": 1, "state": state }));
+    let keys: Vec<&str> =
+        replies[0]["problems"].as_array().unwrap().iter().map(|p| p["key"].as_str().unwrap()).collect();
+    assert_eq!(keys, ["joint.hip_abad.ratio.min"]);
+}
+
+#[test]
+fn values_of_the_same_thing_have_no_order() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = folder.path().join("p.html");
+    let page = page.to_str().unwrap();
+    let file = "requirements/quadruped_knee_linkage.toml";
+    let (one, all) = ("joint.knee.limits.actuator_mass=0.4 kg", "joint.*.limits.actuator_mass=0.6 kg");
+    let output = gearwise(&["explore", file, "--set", one, "--set", all]);
+    assert!(output.status.code() == Some(2) && stderr(&output).contains("set the same value"), "{}", stderr(&output));
+    let grid =
+        ["explore", file, "--static", page, "--set", one, "--grid", "joint.*.limits.actuator_mass=0.5 kg,0.7 kg"];
+    let output = gearwise(&grid);
+    assert!(
+        output.status.code() == Some(2) && stderr(&output).contains("`--set` gives this key"),
+        "{}",
+        stderr(&output)
+    );
+}
+
+#[test]
+fn what_the_whole_robot_may_draw_is_said_not_to_be_looked_at() {
+    let served = Served::shipped("quadruped_mini_cheetah");
+    let whole = |number: u64, state: Value| {
+        let replies = served.ask(&json!({ "tab": "t", "ask": number, "state": state }));
+        (text_of(replies.last().unwrap(), "whole"), replies[0]["notes"].as_array().unwrap().len())
+    };
+    let (text, notes) = whole(1, json!({}));
+    assert!(
+        text.contains("each joint by itself: actuator mass") && !text.contains("not looked at") && notes == 0,
+        "{text}"
+    );
+    let (text, notes) = whole(2, json!({ "budget.power": "100 W", "budget.actuator_mass": "5 kg" }));
+    assert!(text.contains("OVER the budget of 5 kg") && text.contains("is not looked at here") && notes == 1, "{text}");
+}
+
+#[test]
+fn a_motor_that_needs_a_spring_is_looked_at_with_one() {
+    let served = Served::shipped("ankle_prosthesis_parallel_spring");
+    let spring = "{ stiffness = [\"50 N*m/rad\", \"400 N*m/rad\"], rest_angle = [\"-30 deg\", \"30 deg\"] }";
+    let ask = json!({ "tab": "t", "ask": 1, "design": "allied-ht03000-a00", "state": { "joint.ankle.limits.spring": spring } });
+    let text = text_of(&served.ask(&ask)[0], "design");
+    assert!(
+        text.contains("No spring will do") && text.contains("with the allowed spring that came nearest"),
+        "{text:.600}"
+    );
+    assert!(text.contains("is not feasible"), "{text:.300}");
+}
