@@ -242,7 +242,7 @@ def refusals(folder, gearwise, study):
 
     out = folder / "refused"
     refused(command("local", out, gearwise, study, "--shards", "0"), "--shards, --threads and --workers are 1 or more")
-    refused(command("local", out, folder / "none", study), "was not found: say where it is with --gearwise")
+    refused(command("local", out, folder / "none", study), "was not found: pip install gearwise, or say where the program is with --gearwise")
     nothing = {**os.environ, "PATH": str(folder)}
     refused(command("slurm", out, gearwise, study), "needs `sbatch`, which was not found", env=nothing)
     for executor, package in (("dask", "distributed"), ("ray", "ray")):
