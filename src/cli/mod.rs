@@ -31,6 +31,7 @@ mod rank;
 mod rule;
 mod study;
 mod sweep;
+mod threads;
 mod torques;
 
 /// What the bytes of a request to `explore` say: for its fuzzing.
@@ -421,14 +422,7 @@ pub fn run_with(arguments: impl IntoIterator<Item = impl Into<OsString>>) -> u8 
     if let Some(why) = stdin_twice(&arguments) {
         return finish(Err(why));
     }
-    let result = match cli.threads {
-        None => answer(&cli.command, &call),
-        Some(threads) => match rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads)).build() {
-            Ok(pool) => pool.install(|| answer(&cli.command, &call)),
-            Err(error) => Err(Failure::Argument(format!("cannot start {threads} threads: {error}"))),
-        },
-    };
-    finish(result)
+    finish(threads::shared_out(cli.threads, || answer(&cli.command, &call)))
 }
 
 /// Standard input can be read once: that it is asked for more often.
