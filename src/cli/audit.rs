@@ -8,6 +8,7 @@ use crate::ask::Answer;
 use crate::ask::audit::audit;
 use crate::catalog::Catalog;
 use crate::catalog::against::against;
+use crate::input::Source;
 
 /// Arguments of the command.
 #[derive(Debug, Args)]
@@ -69,7 +70,8 @@ fn has(catalog: &Catalog, id: &str) -> bool {
 /// Ids of the second source to ours.
 fn names(path: &Path) -> Result<BTreeMap<String, String>, Failure> {
     let failed = |why: String| Failure::Argument(format!("{}: {why}", path.display()));
-    let mut reader = csv::Reader::from_path(path).map_err(|e| failed(e.to_string()))?;
+    let source = Source::read(path).map_err(|e| vec![e])?;
+    let mut reader = csv::Reader::from_reader(source.text().as_bytes());
     let header = reader.headers().map_err(|e| failed(e.to_string()))?.clone();
     let place = |name: &str| {
         header.iter().position(|h| h.trim() == name).ok_or_else(|| failed(format!("there is no column `{name}`")))

@@ -46,6 +46,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
         paths => Some(super::catalog(paths)?),
     };
     let bench = read::read_for_row(&arguments.bench, catalog, read::Logs::new())?;
+    super::check_outputs(arguments.plot.iter().chain(&arguments.html.html).chain(&arguments.write))?;
     let answer = characterize(bench)?;
     let mut written = Vec::new();
     let mut satisfied = true;

@@ -38,12 +38,16 @@ pub struct Arguments {
     catalog: CatalogPaths,
     #[command(flatten)]
     forms: Forms,
-    /// Write a copy of the model with what findings say to write: effort, velocity, armature. The model itself stays as it is
+    /// Write a copy of the model with what findings say to write: effort, velocity, armature. The model itself stays as it is, unless
+    /// `--in-place` is given too
     #[arg(long)]
     fix: bool,
     /// Name of the copy; else `robot.fixed.urdf` next to `robot.urdf`
     #[arg(long, value_name = "FILE", requires = "fix")]
     out: Option<PathBuf>,
+    /// Write what `--fix` writes into the model itself, in place of a copy
+    #[arg(long, requires = "fix", conflicts_with = "out")]
+    in_place: bool,
 }
 
 pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
@@ -138,13 +142,17 @@ fn fix(arguments: &Arguments, report: &ModelReport) -> Result<Vec<String>, Failu
     let mut said = Vec::new();
     for (k, model) in report.facts.models.iter().enumerate() {
         let written = model.written(&report.changes(k));
-        let path = arguments.out.clone().unwrap_or_else(|| copy_of(&arguments.models[k]));
+        let path = match arguments.in_place {
+            true => arguments.models[k].clone(),
+            false => arguments.out.clone().unwrap_or_else(|| copy_of(&arguments.models[k])),
+        };
         said.extend(written.left);
         if written.changed.is_empty() {
-            said.push(format!("{}: nothing to fix, no copy written", model.source.name()));
+            said.push(format!("{}: nothing to fix, nothing written", model.source.name()));
             continue;
         }
-        output::write_whole(&path, written.text.as_bytes()).map_err(Failure::Argument)?;
+        let write = if arguments.in_place { output::write_over } else { output::write_whole };
+        write(&path, written.text.as_bytes()).map_err(Failure::Argument)?;
         said.extend(written.changed);
         said.push(format!("written to {}", path.display()));
     }

@@ -81,6 +81,8 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     if let Subject::Robot(robot) = &subject {
         arguments.check_joint(robot)?;
     }
+    let Arguments { plot, html, write, plan, .. } = arguments;
+    super::check_outputs(plot.iter().chain(&html.html).chain(write).chain(plan))?;
     let plan = arguments.plan.as_ref().map(|_| wanted);
     let asked = Asked { band, joint: arguments.joint.clone(), requirement, plan };
     let found = match identify(subject, asked, &arguments.bench)? {

@@ -48,6 +48,7 @@ use clap::{Args, CommandFactory, Parser, Subcommand};
 use crate::ask::{Answer, Failure, Rows};
 use crate::catalog::{BUILTIN_WORD, Catalog};
 use crate::input::{InputFile, Source, tame};
+use crate::output::{self, inputs};
 use crate::report::html;
 use crate::report::plot;
 use crate::report::{table, tint};
@@ -280,6 +281,11 @@ fn check_plot(path: Option<&PathBuf>) -> Result<(), Failure> {
     path.map_or(Ok(()), |p| plot::Format::of(p).map(|_| ()).map_err(Failure::Argument))
 }
 
+/// That files can be written, once what is read has been read and before any work is done.
+fn check_outputs<'p>(paths: impl IntoIterator<Item = &'p PathBuf>) -> Result<(), Failure> {
+    paths.into_iter().try_for_each(|path| output::check(path)).map_err(Failure::Argument)
+}
+
 /// Draws the picture of an answer, where it was asked for and there is one.
 fn draw_plot(path: Option<&PathBuf>, answer: &dyn Answer) -> Result<(), Failure> {
     match path.and_then(|path| Some((path, answer.figure()?))) {
@@ -419,6 +425,8 @@ pub fn run_with(arguments: impl IntoIterator<Item = impl Into<OsString>>) -> u8 
         }
     };
     let call = Call::new(&arguments);
+    // What this call reads it does not write over.
+    let _run = inputs::Run::begin();
     if let Some(why) = stdin_twice(&arguments) {
         return finish(Err(why));
     }

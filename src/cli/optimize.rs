@@ -161,6 +161,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     }
     let asked = arguments.asked(limit);
     let catalog = with_tolerances(arguments.catalog.rows()?.for_robot(&robot)?, &taken);
+    super::check_outputs(arguments.plot.iter().chain(&arguments.html.html).chain(&arguments.write_design))?;
     let one_by_one = arguments.pareto.is_some() || arguments.robust || arguments.robot;
     let ready = Ready::of(robot, catalog, &asked, one_by_one, &Watch::default())?;
     if let Some(quantities) = &quantities {

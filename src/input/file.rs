@@ -3,6 +3,7 @@
 //!
 //! The one idea: what was read is either what the file was, or what it is, or an error; never half of each.
 
+use crate::output::inputs;
 use crate::words::reason;
 use std::fs::{File, Metadata};
 use std::io::{self, Read, Seek};
@@ -46,7 +47,10 @@ impl Opened {
         let before = file.metadata().map_err(|e| cannot(&e))?;
         match limits::bytes(before.len(), most) {
             Some(problem) => Err(problem),
-            None => Ok(Opened { file, before }),
+            None => {
+                inputs::read(path, &before);
+                Ok(Opened { file, before })
+            }
         }
     }
 

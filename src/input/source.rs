@@ -16,6 +16,7 @@ use hmac_sha256::Hash as Sha256;
 use super::file::{self, Opened};
 use super::key_path::key_path;
 use super::limits;
+use crate::output::inputs;
 
 /// At most this many problems of one file are printed; the rest are counted.
 const MAX_SHOWN: usize = 50;
@@ -95,6 +96,7 @@ impl Source {
             source: Arc::new(Source::new(STDIN_NAME, String::new())),
             problems: vec![problem],
         };
+        inputs::read_stdin();
         let mut bytes = Vec::new();
         let most = limits::TABLE_BYTES;
         let cannot = |e: std::io::Error| Problem::whole(format!("cannot read it: {}", crate::words::reason(&e)));

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 use std::fs;
-use std::io;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -158,7 +158,7 @@ impl Staged {
         fs::create_dir_all(folder).map_err(|e| WriteError::Io("create the folder", folder.into(), reason(&e)))?;
         let fail = |why| WriteError::Io("write", target.into(), why);
         let mut file = Place::of(target).and_then(|place| Beside::new(&place)).map_err(fail)?;
-        file.write(bytes).map_err(|e| fail(reason(&e)))?;
+        file.write_all(bytes).and_then(|()| file.sync()).map_err(|e| fail(reason(&e)))?;
         self.waiting.push(file);
         Ok(())
     }
