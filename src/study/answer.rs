@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::assemble::{Shards, assemble};
 use super::journal::{Journal, Lock};
-use super::output::{FILES, Manifest, read_manifest};
+use super::output::{self, Manifest, read_manifest};
 use super::plan::Shard;
 use super::{StudyError, Summary, page, plot, text};
 use crate::ask::Answer;
@@ -47,14 +47,16 @@ impl Finished {
     /// # Errors
     /// Results that may not be replaced, shards that are not all of one study, a file that cannot be written.
     pub fn merged(out: &Path, shards: &[PathBuf], replaces: bool) -> Result<Finished, StudyError> {
-        let there = FILES.iter().find(|f| out.join(f).exists());
-        if let (Some(file), false) = (there, replaces) {
+        if replaces {
+            output::check_own(out)?;
+        } else if let Some(file) = output::there(out) {
             let why = format!("`{}` has results already (`{file}`): `--force` replaces them", out.display());
             return Err(StudyError::Argument(why));
         }
         // Shards first: where they are wrong no folder is made.
         let shards = Shards::open(shards)?;
-        let _lock = Lock::take(out)?;
+        let lock = Lock::take(out)?;
+        lock.mark(out)?;
         let summary = assemble(&shards, out)?;
         Finished::with(out, summary)
     }

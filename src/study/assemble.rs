@@ -219,8 +219,8 @@ pub fn assemble(shards: &Shards, out: &Path) -> Result<Summary, StudyError> {
     let mut manifest = [part];
     seal(&mut manifest)?;
     unsettle(out)?;
-    place(&parts)?;
-    place(&manifest)?;
+    place(&mut parts)?;
+    place(&mut manifest)?;
     Ok(summary)
 }
 

@@ -16,12 +16,18 @@ use super::plan::{BLOCK, Plan, Shard};
 use super::worker::Record;
 use super::{StudyError, work};
 use crate::input::{Source, hex, sha256};
-use crate::output::{make_folder, write_whole};
+use crate::output::{make_folder, sync_folder, write_whole};
 
 /// Name of the journal's folder.
 const FOLDER: &str = "journal";
+/// Name of the file that says that a study has made the journal's folder: made first, removed last.
+const MARK: &str = ".study";
+/// Names of the journal's files, beside those of blocks.
+const NAMES: [&str; 3] = ["plan.json", "shard", "list.txt"];
 /// Name of the lock.
 const LOCK: &str = ".study.lock";
+/// What stands in the lock of a folder that a study has written results into.
+const MARKED: &str = "The results in this folder were written by `gearwise study`, which may replace them.\n";
 /// Digits of a line's checksum.
 const DIGITS: usize = 16;
 /// Most files whose hash is remembered while a journal is checked.
@@ -49,30 +55,36 @@ pub struct Block {
 /// That no other process works in a folder. The system lets go of it when the process ends, however it ends.
 #[derive(Debug)]
 pub struct Lock {
-    _file: Option<File>,
+    file: Option<File>,
 }
 
 impl Journal {
     /// Whether a folder has a journal.
     pub fn is_in(out: &Path) -> bool {
-        out.join(FOLDER).join("plan.json").is_file()
+        let folder = out.join(FOLDER);
+        folder.join("plan.json").is_file() && is_own(&folder)
     }
 
     /// Begins a journal, in place of any that is there.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// It cannot be written; there is a folder of its name that no study has made.
     pub fn begin(out: &Path, lock: Lock, plan: Plan, shard: Shard, list: &Path) -> Result<Journal, StudyError> {
         let folder = out.join(FOLDER);
         Journal::remove(out)?;
         make_folder(&folder).map_err(StudyError::Argument)?;
-        let target = folder.join("list.txt");
-        fs::rename(list, &target).map_err(|e| StudyError::file("write", &target, &e))?;
         let write =
             |name: &str, text: String| write_whole(&folder.join(name), text.as_bytes()).map_err(StudyError::Argument);
+        // The mark has nothing in it and needs no file beside it: a folder with anything in it is marked.
+        let mark = folder.join(MARK);
+        File::create(&mark).map_err(|e| StudyError::file("write", &mark, &e))?;
+        lock.mark(out)?;
+        let target = folder.join("list.txt");
+        fs::rename(list, &target).map_err(|e| StudyError::file("write", &target, &e))?;
         write("shard", format!("{shard}\n"))?;
         // The plan is written last: a folder without it has no journal.
         write("plan.json", json(&plan)?)?;
+        sync_folder(out).map_err(|e| StudyError::file("write", out, &e))?;
         Ok(Journal { folder, plan, shard, _lock: lock })
     }
 
@@ -93,16 +105,56 @@ impl Journal {
         Ok(Journal { folder, plan, shard, _lock: lock })
     }
 
-    /// Takes the journal away, the plan first: what is left of a removal that was interrupted is no journal.
+    /// Takes the journal away, the plan first: what is left of a removal that was interrupted is no journal. Of the
+    /// folder its own files go; one with anything else in it stays.
     ///
     /// # Errors
-    /// It cannot be removed.
+    /// It cannot be removed, or no study has made it.
     pub fn remove(out: &Path) -> Result<(), StudyError> {
         let folder = out.join(FOLDER);
+        Journal::check_own(out)?;
+        let fail = |e: std::io::Error| StudyError::file("remove", &folder, &e);
+        let entries = match fs::read_dir(&folder) {
+            Ok(entries) => entries,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(()),
+            Err(error) => return Err(fail(error)),
+        };
         let plan = folder.join("plan.json");
-        let removed = if plan.exists() { fs::remove_file(&plan) } else { Ok(()) };
-        let removed = removed.and_then(|()| if folder.exists() { fs::remove_dir_all(&folder) } else { Ok(()) });
-        removed.map_err(|e| StudyError::file("remove", &folder, &e))
+        if plan.exists() {
+            fs::remove_file(&plan).map_err(fail)?;
+        }
+        for entry in entries {
+            let entry = entry.map_err(fail)?;
+            let own = entry.file_name().to_str().is_some_and(is_own_name);
+            if own && entry.path() != plan && entry.file_type().is_ok_and(|kind| kind.is_file()) {
+                fs::remove_file(entry.path()).map_err(fail)?;
+            }
+        }
+        let mark = folder.join(MARK);
+        if mark.exists() {
+            fs::remove_file(&mark).map_err(fail)?;
+        }
+        match fs::remove_dir(&folder) {
+            Err(error) if error.kind() != std::io::ErrorKind::DirectoryNotEmpty => Err(fail(error)),
+            _ => Ok(()),
+        }
+    }
+
+    /// That the place of a journal is free: nothing is there, or what a study has made.
+    ///
+    /// # Errors
+    /// It is not.
+    pub fn check_own(out: &Path) -> Result<(), StudyError> {
+        let folder = out.join(FOLDER);
+        let is_empty = fs::read_dir(&folder).is_ok_and(|mut entries| entries.next().is_none());
+        if is_empty || is_own(&folder) || folder.symlink_metadata().is_err() {
+            return Ok(());
+        }
+        Err(StudyError::Argument(format!(
+            "`{}` was not made by a study and is left as it is: a study keeps its journal under this name; \
+             name another folder for the results, or move it away",
+            folder.display()
+        )))
     }
 
     /// Where the list of requirements is.
@@ -162,6 +214,7 @@ impl Journal {
             write_whole(&path, &bytes).map_err(StudyError::Argument)?;
         }
         let file = OpenOptions::new().create(true).append(true).open(&path);
+        let file = file.and_then(|file| sync_folder(&self.folder).map(|()| file));
         let file = file.and_then(|file| file.metadata().map(|m| (file, m.len())));
         let file = file.map_err(|e| StudyError::file("write", &path, &e))?;
         Ok(Block { path, file: Mutex::new(file) })
@@ -205,6 +258,26 @@ impl Journal {
         let blocks = (0..self.plan.blocks()).filter(|b| self.shard.has(*b));
         blocks.map(|b| self.read(b).map(|r| r.len() as u64)).sum()
     }
+}
+
+/// Whether a study has made a journal's folder: it is marked, or, of an earlier version, has the plan of one.
+fn is_own(folder: &Path) -> bool {
+    let planned = || fs::read(folder.join("plan.json")).ok().and_then(|text| serde_json::from_slice(&text).ok());
+    folder.join(MARK).is_file() || planned().is_some_and(|plan: serde_json::Value| plan.get("gearwise").is_some())
+}
+
+/// Whether a file of a journal's folder is the journal's by its name, or what a killed process has left of one.
+fn is_own_name(name: &str) -> bool {
+    let is_block = |name: &str| {
+        let number = name.strip_prefix("block-").and_then(|rest| rest.strip_suffix(".jsonl"));
+        number.is_some_and(|number| number.len() >= 8 && number.bytes().all(|b| b.is_ascii_digit()))
+    };
+    let is = |name: &str| NAMES.contains(&name) || name == MARK || is_block(name);
+    let of_part = |name: &str| {
+        let part = name.strip_prefix('.').and_then(|rest| rest.strip_suffix(".part"));
+        part.and_then(|rest| rest.rsplit_once('.')).is_some_and(|(name, _)| is(name))
+    };
+    name != MARK && (is(name) || of_part(name))
 }
 
 impl Block {
@@ -267,12 +340,34 @@ impl Lock {
         let file = OpenOptions::new().create(true).truncate(false).write(true).open(&path);
         let file = file.map_err(|e| StudyError::file("write", &path, &e))?;
         match file.try_lock() {
-            Ok(()) => Ok(Lock { _file: Some(file) }),
+            Ok(()) => Ok(Lock { file: Some(file) }),
             Err(TryLockError::WouldBlock) => {
                 Err(StudyError::Argument(format!("another process works on the study in `{}`", out.display())))
             }
-            Err(TryLockError::Error(_)) => Ok(Lock { _file: None }),
+            Err(TryLockError::Error(_)) => Ok(Lock { file: None }),
         }
+    }
+
+    /// Marks the folder as one whose results a study has written.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn mark(&self, out: &Path) -> Result<(), StudyError> {
+        let path = out.join(LOCK);
+        let written = match &self.file {
+            // Not as a file of its own that takes its place: the lock is of this one.
+            Some(file) => {
+                let mut file: &File = file;
+                file.set_len(0).and_then(|()| file.write_all(MARKED.as_bytes())).and_then(|()| file.sync_all())
+            }
+            None => fs::write(&path, MARKED),
+        };
+        written.map_err(|e| StudyError::file("write", &path, &e))
+    }
+
+    /// Whether a study has written the results in a folder.
+    pub fn is_marked(out: &Path) -> bool {
+        fs::read(out.join(LOCK)).is_ok_and(|text| text == MARKED.as_bytes())
     }
 
     /// Takes away a folder that was made for a study that did not begin; one with anything else in it stays.
@@ -334,7 +429,7 @@ pub fn write_list(base: &Path, paths: &[String], to: &Path) -> Result<(u64, Stri
         hash.update(b"\n");
         writeln!(file, "{name}").map_err(fail)
     })?;
-    file.flush().map_err(fail)?;
+    file.flush().and_then(|()| file.get_ref().sync_all()).map_err(fail)?;
     Ok((count, hex(&hash.finalize())))
 }
 

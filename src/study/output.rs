@@ -2,7 +2,7 @@
 //! last.
 
 use std::collections::HashMap;
-use std::fs::{self, File};
+use std::fs;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -10,8 +10,10 @@ use hmac_sha256::Hash as Sha256;
 use serde::{Deserialize, Serialize};
 
 use super::StudyError;
+use super::journal::{Journal, Lock};
 use super::plan::{Hashed, Plan};
 use crate::input::{Source, hex};
+use crate::output::{self, Beside, Place};
 use crate::words::csv::unguarded;
 use crate::words::reason;
 
@@ -84,29 +86,46 @@ pub fn inputs_unchanged(out: &Path, base: &Path) -> Result<(), StudyError> {
     Ok(())
 }
 
+/// The first file in a folder that has the name of a result.
+pub fn there(out: &Path) -> Option<&'static str> {
+    FILES.into_iter().find(|name| out.join(name).symlink_metadata().is_ok())
+}
+
+/// That results may be replaced: a study has written what is there.
+///
+/// # Errors
+/// It has not: somebody else's file would be lost.
+pub fn check_own(out: &Path) -> Result<(), StudyError> {
+    let Some(name) = there(out) else { return Ok(()) };
+    // Of an earlier version the manifest alone says so.
+    let of_study = |text: Vec<u8>| {
+        let manifest: Option<serde_json::Value> = serde_json::from_slice(&text).ok();
+        manifest
+            .is_some_and(|m| m.get("outputs").is_some() && m.get("plan").is_some_and(|p| p.get("gearwise").is_some()))
+    };
+    if Lock::is_marked(out) || Journal::is_in(out) || fs::read(out.join(MANIFEST)).is_ok_and(of_study) {
+        return Ok(());
+    }
+    Err(StudyError::Argument(format!(
+        "`{}` was not written by a study and is left as it is: a study writes a file of this name; \
+         name another folder for the results, or move it away",
+        out.join(name).display()
+    )))
+}
+
 /// Takes the files of a study away, the manifest first.
 ///
 /// # Errors
 /// One cannot be removed.
 pub fn remove(out: &Path) -> Result<(), StudyError> {
-    for name in FILES.iter().rev() {
-        let path = out.join(name);
-        match fs::remove_file(&path) {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                return Err(StudyError::file("remove", &path, &error));
-            }
-            _ => {}
-        }
-    }
-    Ok(())
+    FILES.iter().rev().try_for_each(|name| output::remove(&out.join(name))).map_err(StudyError::Argument)
 }
 
 /// A file beside its place. Unless it is [placed](place), it goes.
 pub struct Part {
     name: &'static str,
-    temporary: PathBuf,
     target: PathBuf,
-    file: BufWriter<File>,
+    file: BufWriter<Beside>,
     hash: Sha256,
 }
 
@@ -116,10 +135,10 @@ impl Part {
     /// # Errors
     /// It cannot be made.
     pub fn new(out: &Path, name: &'static str) -> Result<Part, StudyError> {
-        let temporary = out.join(format!(".{name}.part"));
-        let file = File::create(&temporary).map_err(|e| StudyError::file("write", &temporary, &e))?;
-        let file = BufWriter::with_capacity(1 << 16, file);
-        Ok(Part { name, target: out.join(name), temporary, file, hash: Sha256::new() })
+        let target = out.join(name);
+        let file = Place::of(&target).and_then(|place| Beside::alone(&place));
+        let file = file.map_err(|why| StudyError::Argument(format!("cannot write `{}`: {why}", target.display())))?;
+        Ok(Part { name, target, file: BufWriter::with_capacity(1 << 16, file), hash: Sha256::new() })
     }
 
     /// An error of writing it.
@@ -145,13 +164,6 @@ fn worded(error: std::io::Error) -> std::io::Error {
     std::io::Error::new(error.kind(), reason(&error))
 }
 
-impl Drop for Part {
-    fn drop(&mut self) {
-        // Gone already where it was placed.
-        let _ = fs::remove_file(&self.temporary);
-    }
-}
-
 /// Writes all parts to the disk; their names and hashes.
 ///
 /// # Errors
@@ -159,7 +171,7 @@ impl Drop for Part {
 pub fn seal(parts: &mut [Part]) -> Result<Vec<Hashed>, StudyError> {
     let mut sealed = Vec::new();
     for part in parts {
-        let done = part.file.flush().and_then(|()| part.file.get_ref().sync_all());
+        let done = part.file.flush().and_then(|()| part.file.get_mut().sync());
         done.map_err(|e| part.fail(reason(&e)))?;
         sealed.push(Hashed { file: part.name.into(), sha256: hex(&part.hash.finalize()) });
     }
@@ -171,20 +183,16 @@ pub fn seal(parts: &mut [Part]) -> Result<Vec<Hashed>, StudyError> {
 /// # Errors
 /// It cannot be removed.
 pub fn unsettle(out: &Path) -> Result<(), StudyError> {
-    let path = out.join(MANIFEST);
-    match fs::remove_file(&path) {
-        Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(StudyError::file("remove", &path, &error)),
-        _ => Ok(()),
-    }
+    output::remove(&out.join(MANIFEST)).map_err(StudyError::Argument)
 }
 
 /// Moves sealed parts to their places, in order.
 ///
 /// # Errors
 /// One cannot be moved.
-pub fn place(parts: &[Part]) -> Result<(), StudyError> {
+pub fn place(parts: &mut [Part]) -> Result<(), StudyError> {
     for part in parts {
-        fs::rename(&part.temporary, &part.target).map_err(|e| part.fail(reason(&e)))?;
+        part.file.get_mut().place().map_err(|e| part.fail(reason(&e)))?;
     }
     Ok(())
 }

@@ -77,6 +77,10 @@ pub fn prepare(study: &Study, out: &Path, existing: Existing) -> Result<Option<J
 }
 
 fn begin(study: &Study, out: &Path, existing: Existing) -> Result<Option<Journal>, StudyError> {
+    Journal::check_own(out)?;
+    if existing == Existing::Replace {
+        output::check_own(out)?;
+    }
     let lock = Lock::take(out)?;
     let list = ListFile(out.join(".list.part"));
     let there = Journal::is_in(out);
@@ -92,7 +96,7 @@ fn begin(study: &Study, out: &Path, existing: Existing) -> Result<Option<Journal
             };
             return Err(StudyError::Argument(format!("{what}, `--force` starts again")));
         }
-        if let Some(file) = output::FILES.iter().find(|f| out.join(f).exists()) {
+        if let Some(file) = output::there(out) {
             return Err(StudyError::Argument(format!(
                 "`{}` has results already (`{file}`): `--force` replaces them",
                 out.display()
