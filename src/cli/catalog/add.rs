@@ -8,7 +8,7 @@ use crate::catalog::add::{Of, Target, added, has, rows};
 use crate::catalog::audit::{Finding, Severity, audit};
 use crate::catalog::{Catalog, is_word, user_catalog};
 use crate::input::Source;
-use crate::output;
+use crate::output::{self, Locks};
 use crate::report::counted;
 
 /// Arguments of the command.
@@ -44,6 +44,13 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     for source in &sources {
         crate::catalog::add::can_be_added(source).map_err(|error| vec![error])?;
     }
+    // From here to where they are written nobody else changes the files: what is added meanwhile would be lost.
+    let mut locks = Locks::default();
+    if arguments.to.is_none() {
+        let user = user_catalog();
+        folder_of(&user).map_or(Ok(()), output::make_folder).map_err(Failure::Argument)?;
+        locks.take(&user).map_err(Failure::Argument)?;
+    }
     let mut changes = Vec::new();
     for of in Of::ALL {
         let holds = |source: &&Arc<Source>| has(source, of).unwrap_or(false);
@@ -52,6 +59,10 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
             continue;
         }
         let path = arguments.to.clone().map_or_else(|| own(of), Ok)?;
+        // In a folder that is not there yet nobody else has one.
+        if arguments.to.is_some() || folder_of(&path).is_none_or(Path::is_dir) {
+            locks.take(&path).map_err(Failure::Argument)?;
+        }
         if arguments.to.is_some() {
             check_target(&path, of)?;
         } else {
@@ -70,14 +81,19 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     }
     let mut said = String::new();
     for (path, text, ids) in &changes {
-        if let Some(folder) = path.parent().filter(|f| arguments.to.is_none() && !f.as_os_str().is_empty()) {
+        if let Some(folder) = folder_of(path).filter(|_| arguments.to.is_none()) {
             output::make_folder(folder).map_err(Failure::Argument)?;
         }
-        output::write_whole(path, text.as_bytes()).map_err(Failure::Argument)?;
+        output::write_over(path, text.as_bytes()).map_err(Failure::Argument)?;
         said.push_str(&format!("{}: {} added: {}\n", path.display(), counted(ids.len(), "row"), ids.join(", ")));
     }
     warn(&changes)?;
     Ok(Done { text: said, satisfied: true })
+}
+
+/// The folder that a path names.
+fn folder_of(path: &Path) -> Option<&Path> {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty())
 }
 
 /// A row that contradicts itself is refused.

@@ -1,4 +1,4 @@
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
@@ -179,17 +179,8 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         read.map_err(|error| Failure::Input(vec![error]))?;
     }
     let Some(path) = &arguments.write else { return Ok(Done { text, satisfied: true }) };
-    write_new(path, &text)?;
+    output::write_new(path, text.as_bytes()).map_err(Failure::Argument)?;
     Ok(Done { text: format!("{}\n", path.display()), satisfied: true })
-}
-
-/// Writes a file that is not there yet.
-fn write_new(path: &Path, text: &str) -> Result<(), Failure> {
-    if path.symlink_metadata().is_ok() {
-        let why = format!("`{}` is there already, and is not replaced; name another file", path.display());
-        return Err(Failure::Argument(why));
-    }
-    output::write_whole(path, text.as_bytes()).map_err(Failure::Argument)
 }
 
 /// The name of a column without its unit.

@@ -27,6 +27,7 @@ mod json;
 mod kinds;
 mod mistakes;
 mod modules;
+mod outputs;
 mod parts;
 mod plain;
 mod plots;
