@@ -29,6 +29,7 @@ mod over;
 mod progress;
 mod rank;
 mod rule;
+mod signals;
 mod study;
 mod sweep;
 mod threads;
@@ -404,7 +405,7 @@ pub fn run() -> ExitCode {
 }
 
 /// Runs the program on these arguments, the first of which is the program's own name, with the process's standard output
-/// and error. May be called any number of times; Ctrl-C stops the first study of a process alone. Exit status: 0 done and
+/// and error. May be called any number of times; Ctrl-C and SIGTERM stop a study, and end `explore`. Exit status: 0 done and
 /// satisfied, 1 done but a requirement is not met, 2 the input is wrong, 130 it was stopped.
 ///
 /// ```

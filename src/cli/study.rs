@@ -1,11 +1,11 @@
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use clap::Args;
 
 use super::progress::Telling;
+use super::signals::Signals;
 use super::{Call, CatalogChoice, Done, Failure, Html, Set};
 use crate::ask::Answer;
 use crate::catalog::Catalog;
@@ -145,15 +145,10 @@ fn catalog(choice: &CatalogChoice, paths: &[PathBuf]) -> Result<(Catalog, Vec<Ha
     Ok((some(choice.prepared(Catalog::from_sources(sources)?))?, files))
 }
 
-/// Runs the study, with progress on stderr; Ctrl-C stops it, a second one at once.
+/// Runs the study, with progress on stderr; Ctrl-C or SIGTERM stops it, a second one at once.
 fn watched(arguments: &Arguments, study: &Study, journal: &Journal) -> Result<u64, Failure> {
-    let stop = Arc::new(AtomicBool::new(false));
-    let handler = stop.clone();
-    let _ = ctrlc::set_handler(move || {
-        if handler.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
-        }
-    });
+    let signals = Signals::watch();
+    let stop = signals.asked();
     let (done, of, before) = (AtomicU64::new(0), AtomicU64::new(0), AtomicU64::new(0));
     let Telling { progress, quiet } = arguments.telling;
     let shows_bar = arguments.telling.bar();

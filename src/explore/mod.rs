@@ -111,7 +111,7 @@ impl Explorer {
             newest.remove(at).1.stop();
         }
         if newest.len() == TABS {
-            newest.remove(0);
+            newest.remove(0).1.stop();
         }
         newest.push((work.ask.tab.clone(), work.course.clone()));
         drop(newest);
@@ -120,6 +120,10 @@ impl Explorer {
 
     /// Works on a question until it is answered or stale. Input cannot break it; what does is told.
     pub fn run(&self, work: &Work) {
+        // It may have waited for its turn, and be stale by now.
+        if work.course.is_stopped() {
+            return work.end();
+        }
         let done = catch_unwind(AssertUnwindSafe(|| self.answer(work)));
         match done {
             Ok(Ok(())) | Ok(Err(Failure::Interrupted(_))) => work.end(),

@@ -9,7 +9,8 @@ use std::hint::black_box;
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{Ipv4Addr, Shutdown, TcpListener, TcpStream};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -21,7 +22,7 @@ const MAX_HEAD: usize = 16 * 1024;
 const MAX_BODY: usize = 64 * 1024;
 /// Most headers of a head.
 const MAX_HEADERS: usize = 64;
-/// Most connections that are served at once, and most that hear at once that there are too many.
+/// Most connections that are served at once, and most that make room or hear at once that there are too many.
 const MAX_CONNECTIONS: usize = 16;
 /// How the two names of this computer are written in `Host` and `Origin`.
 const NAMES: [&str; 2] = ["127.0.0.1", "localhost"];
@@ -281,6 +282,8 @@ struct Times {
     write: Duration,
     /// Until a client that was refused ends the connection.
     close: Duration,
+    /// After which a client that has not sent a request, or takes no response, makes room, where all places are taken.
+    stall: Duration,
 }
 
 impl Times {
@@ -291,6 +294,7 @@ impl Times {
         body: Duration::from_secs(10),
         write: Duration::from_secs(10),
         close: Duration::from_secs(1),
+        stall: Duration::from_millis(500),
     };
     /// Between two questions whether to stop, where bytes are waited for.
     const READ: Duration = Duration::from_millis(100);
@@ -332,10 +336,17 @@ impl Server {
     }
 
     /// Serves until `stop` says true, which it then keeps saying. Requests that the handler is at are answered before.
-    pub fn serve(&self, handler: &(dyn Fn(&Request) -> Response + Sync), stop: &(dyn Fn() -> bool + Sync)) {
-        let (served, refused) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    /// `tick` is called between connections, again and again.
+    pub fn serve(
+        &self,
+        handler: &(dyn Fn(&Request) -> Response + Sync),
+        tick: &dyn Fn(),
+        stop: &(dyn Fn() -> bool + Sync),
+    ) {
+        let (served, refused) = (Places::default(), Places::default());
         thread::scope(|scope| {
             while !stop() {
+                tick();
                 let stream = match self.listener.accept() {
                     Ok((stream, _)) => stream,
                     Err(error) => {
@@ -344,12 +355,14 @@ impl Server {
                         continue;
                     }
                 };
-                let Ok(connection) = Connection::new(stream, self, stop) else { continue };
                 let builder = thread::Builder::new();
-                let started = if let Some(place) = Place::take(&served) {
-                    builder.spawn_scoped(scope, move || place.hold(|| connection.serve(handler)))
-                } else if let Some(place) = Place::take(&refused) {
-                    builder.spawn_scoped(scope, move || place.hold(|| connection.refuse()))
+                let place = served.take().or_else(|| served.take_of_stalled(self.times.stall));
+                let started = if let Some(place) = place {
+                    let Ok(connection) = Connection::new(stream, self, stop, place) else { continue };
+                    builder.spawn_scoped(scope, move || connection.serve(handler))
+                } else if let Some(place) = refused.take() {
+                    let Ok(connection) = Connection::new(stream, self, stop, place) else { continue };
+                    builder.spawn_scoped(scope, move || connection.refuse())
                 } else {
                     continue;
                 };
@@ -361,25 +374,78 @@ impl Server {
     }
 }
 
-/// One of the places for connections, until it is dropped.
-struct Place<'a>(&'a AtomicUsize);
+/// The places for connections.
+#[derive(Default)]
+struct Places(Mutex<Vec<Arc<Seat>>>);
 
-impl<'a> Place<'a> {
-    /// A place, where one is free.
-    fn take(taken: &'a AtomicUsize) -> Option<Place<'a>> {
-        let next = |count| (count < MAX_CONNECTIONS).then_some(count + 1);
-        taken.fetch_update(Ordering::AcqRel, Ordering::Acquire, next).ok().map(|_| Place(taken))
+/// A place that is taken.
+struct Seat {
+    /// Since when a request, or that a response is taken, is waited for; nothing while the server is at a request.
+    waits: Mutex<Option<Instant>>,
+    /// Whether it is to make room: its place is another's already.
+    leaves: AtomicBool,
+}
+
+/// One of the places, until it is dropped.
+struct Place<'a> {
+    seat: Arc<Seat>,
+    places: &'a Places,
+}
+
+impl Places {
+    fn seats(&self) -> MutexGuard<'_, Vec<Arc<Seat>>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Does what the place is for.
-    fn hold(self, work: impl FnOnce()) {
-        work();
+    /// A place, where one is free.
+    fn take(&self) -> Option<Place<'_>> {
+        let mut seats = self.seats();
+        let staying = seats.iter().filter(|seat| !seat.leaves.load(Ordering::Acquire)).count();
+        // Who leaves is still there for a moment.
+        let is_free = staying < MAX_CONNECTIONS && seats.len() < 2 * MAX_CONNECTIONS;
+        is_free.then(|| {
+            let seat = Arc::new(Seat { waits: Mutex::default(), leaves: AtomicBool::new(false) });
+            seats.push(seat.clone());
+            Place { seat, places: self }
+        })
+    }
+
+    /// The place of the connection that has been stalled for the longest time, and for that of `stall` at least.
+    fn take_of_stalled(&self, stall: Duration) -> Option<Place<'_>> {
+        let since = |seat: &Arc<Seat>| {
+            let waits = seat.waits.lock().unwrap_or_else(PoisonError::into_inner);
+            waits.filter(|since| since.elapsed() >= stall && !seat.leaves.load(Ordering::Acquire))
+        };
+        {
+            let seats = self.seats();
+            let (_, seat) =
+                seats.iter().filter_map(|seat| Some((since(seat)?, seat))).min_by_key(|(since, _)| *since)?;
+            seat.leaves.store(true, Ordering::Release);
+        }
+        self.take()
+    }
+}
+
+impl Place<'_> {
+    /// The client is waited for.
+    fn wait(&self) {
+        *self.seat.waits.lock().unwrap_or_else(PoisonError::into_inner) = Some(Instant::now());
+    }
+
+    /// The server is at its request.
+    fn work(&self) {
+        *self.seat.waits.lock().unwrap_or_else(PoisonError::into_inner) = None;
+    }
+
+    /// Whether it is to make room.
+    fn leaves(&self) -> bool {
+        self.seat.leaves.load(Ordering::Acquire)
     }
 }
 
 impl Drop for Place<'_> {
     fn drop(&mut self) {
-        self.0.fetch_sub(1, Ordering::AcqRel);
+        self.places.seats().retain(|seat| !Arc::ptr_eq(seat, &self.seat));
     }
 }
 
@@ -402,23 +468,37 @@ struct Connection<'a> {
     stream: TcpStream,
     server: &'a Server,
     stop: &'a (dyn Fn() -> bool + Sync),
+    place: Place<'a>,
     /// What has been read and not yet used.
     buffer: Vec<u8>,
 }
 
 impl<'a> Connection<'a> {
-    fn new(stream: TcpStream, server: &'a Server, stop: &'a (dyn Fn() -> bool + Sync)) -> io::Result<Connection<'a>> {
+    fn new(
+        stream: TcpStream,
+        server: &'a Server,
+        stop: &'a (dyn Fn() -> bool + Sync),
+        place: Place<'a>,
+    ) -> io::Result<Connection<'a>> {
         // On some systems it is as the listener is.
         stream.set_nonblocking(false)?;
         stream.set_nodelay(true)?;
         stream.set_read_timeout(Some(Times::READ))?;
-        Ok(Connection { stream, server, stop, buffer: Vec::new() })
+        place.wait();
+        Ok(Connection { stream, server, stop, place, buffer: Vec::new() })
+    }
+
+    /// Whether it is to end, whatever its client does.
+    fn ends(&self) -> bool {
+        (self.stop)() || self.place.leaves()
     }
 
     /// Answers one request after the other.
     fn serve(mut self, handler: &(dyn Fn(&Request) -> Response + Sync)) {
         loop {
-            let (response, keep_alive) = match self.request() {
+            let request = self.request();
+            self.place.work();
+            let (response, keep_alive) = match request {
                 // What panics or makes a response that is none has failed; the connection ends, the server does not.
                 Ok((request, keep_alive)) => match catch_unwind(AssertUnwindSafe(|| handler(&request))) {
                     Ok(response) if response.is_sound() => (response, keep_alive && !(self.stop)()),
@@ -427,6 +507,7 @@ impl<'a> Connection<'a> {
                 Err(Missing::Refused(refused)) => (Response::plain(refused.status, refused.why), false),
                 Err(Missing::Gone) => return,
             };
+            self.place.wait();
             if self.send(&response.encode(keep_alive)).is_err() {
                 return;
             }
@@ -476,7 +557,7 @@ impl<'a> Connection<'a> {
     /// Waits for more bytes; false where none came in time.
     fn read(&mut self, deadline: Instant) -> Result<bool, Missing> {
         let mut bytes = [0; 8 * 1024];
-        while !(self.stop)() {
+        while !self.ends() {
             if Instant::now() >= deadline {
                 return Ok(false);
             }
@@ -501,9 +582,12 @@ impl<'a> Connection<'a> {
         while !bytes.is_empty() {
             match self.stream.write(bytes) {
                 Ok(0) => return Err(ErrorKind::WriteZero.into()),
-                Ok(count) => bytes = &bytes[count..],
+                Ok(count) => {
+                    self.place.wait();
+                    bytes = &bytes[count..];
+                }
                 Err(e) if e.kind() == ErrorKind::Interrupted => {}
-                Err(e) if e.kind() == ErrorKind::WouldBlock && Instant::now() < deadline && !(self.stop)() => {
+                Err(e) if e.kind() == ErrorKind::WouldBlock && Instant::now() < deadline && !self.ends() => {
                     thread::sleep(Times::FULL);
                 }
                 Err(error) => return Err(error),
@@ -838,7 +922,7 @@ mod tests {
         let server = Server { times, ..Server::bind(0, TOKEN.into()).unwrap() };
         let (stop, address) = (AtomicBool::new(false), server.listener.local_addr().unwrap());
         thread::scope(|scope| {
-            let running = scope.spawn(|| server.serve(&echo, &|| stop.load(Ordering::Acquire)));
+            let running = scope.spawn(|| server.serve(&echo, &|| (), &|| stop.load(Ordering::Acquire)));
             let guard = Stop(&stop);
             let tested = test(address);
             let told = Instant::now();
@@ -1058,7 +1142,8 @@ mod tests {
     fn small_responses_are_not_held_back() {
         let server = Server::bind(0, TOKEN.into()).unwrap();
         let client = connect(server.listener.local_addr().unwrap());
-        let connection = Connection::new(client, &server, &|| false).unwrap();
+        let places = Places::default();
+        let connection = Connection::new(client, &server, &|| false, places.take().unwrap()).unwrap();
         assert!(connection.stream.nodelay().unwrap());
         assert_eq!(connection.stream.read_timeout().unwrap(), Some(Times::READ));
     }
@@ -1132,8 +1217,34 @@ mod tests {
     }
 
     #[test]
+    fn who_stalls_makes_room() {
+        serving(Times { stall: Duration::ZERO, ..Times::USUAL }, |address| {
+            // Silent from the beginning, half way in a head or a body, after an answer, or not taking one.
+            let half = post(address, "12");
+            let texts = ["", "GET /", &half[..half.len() - 1], &get(address, "a"), &get(address, "much")];
+            let mut held = Vec::new();
+            for k in 0..3 * MAX_CONNECTIONS {
+                let mut stream = connect(address);
+                // It may have had to make room already.
+                let _ = stream.write_all(texts[k % texts.len()].as_bytes());
+                held.push(stream);
+                // All who stall stay connected. Who leaves is there for a moment, in which there may be too many.
+                let mut answered = String::new();
+                let start = Instant::now();
+                while !answered.ends_with("Get [on] ") {
+                    assert!(start.elapsed() < Duration::from_secs(5), "{k}: {answered}");
+                    let mut good = connect(address);
+                    let text = get(address, "on").replace("\r\n\r\n", "\r\nConnection: close\r\n\r\n");
+                    answered.clear();
+                    let _ = good.write_all(text.as_bytes()).and_then(|()| good.read_to_string(&mut answered));
+                }
+            }
+        });
+    }
+
+    #[test]
     fn sixteen_are_served_at_once() {
-        serving(Times::USUAL, |address| {
+        serving(Times { stall: Duration::from_secs(3600), ..Times::USUAL }, |address| {
             let mut held: Vec<TcpStream> = (0..MAX_CONNECTIONS).map(|_| connect(address)).collect();
             for stream in &mut held {
                 stream.write_all(get(address, "").as_bytes()).unwrap();
@@ -1191,7 +1302,7 @@ mod tests {
             echo(request)
         };
         thread::scope(|scope| {
-            scope.spawn(|| server.serve(&slow, &|| stop.load(Ordering::Acquire)));
+            scope.spawn(|| server.serve(&slow, &|| (), &|| stop.load(Ordering::Acquire)));
             let _guard = Stop(&stop);
             let mut stream = connect(address);
             stream.write_all((get(address, "a") + &get(address, "b")).as_bytes()).unwrap();

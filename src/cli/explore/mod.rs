@@ -13,6 +13,7 @@ use rayon::ThreadPool;
 pub use self::http::head;
 use self::http::{Method, Request, Response, Server};
 use super::progress::Telling;
+use super::signals::Signals;
 use super::{Call, CatalogChoice, Done, Failure, Set};
 use crate::explore::grid::{self, Axis};
 use crate::explore::state::{Ask, Wrong, overlap};
@@ -133,6 +134,7 @@ impl Arguments {
             let message = "`--set` gives the usual sliders a value: give others with `--grid KEY=VALUE,VALUE`";
             return Err(Failure::Argument(message.into()));
         }
+        super::check_outputs(&self.static_page)?;
         let points = grid::points(&axes).unwrap_or(0);
         let work = self.telling.counted(points.saturating_mul(explorer.robot().joints.len()), "answers");
         let page = grid::page(explorer, &axes, &|| work.step(), &|| false)?;
@@ -143,7 +145,7 @@ impl Arguments {
         Ok(Done { text: format!("{}: {size} MB, sliders: {}\n", path.display(), sliders.join(", ")), satisfied: true })
     }
 
-    /// Serves the page until Ctrl-C.
+    /// Serves the page until Ctrl-C or SIGTERM.
     fn serve(&self, explorer: &Arc<Explorer>) -> Result<Done, Failure> {
         let state = self.state.as_deref().unwrap_or_default();
         let asked = Ask::of_link(state).map_err(|why| Failure::Argument(format!("`--state`: {why}")))?;
@@ -165,9 +167,7 @@ impl Arguments {
         let threads = rayon::current_num_threads();
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         let pool = pool.map_err(|why| Failure::Argument(format!("cannot start {threads} threads: {why}")))?;
-        let stop = Arc::new(AtomicBool::new(false));
-        let handler = stop.clone();
-        let _ = ctrlc::set_handler(move || handler.store(true, Ordering::Relaxed));
+        let signals = Signals::watch();
         super::print(&format!("{}\n", server.address())).map_err(|why| Failure::Argument(why.to_string()))?;
         tell!(
             "Open this address in a browser on this machine; Ctrl-C ends it. It is for nobody else: it has a secret in it."
@@ -178,9 +178,11 @@ impl Arguments {
             works: Mutex::default(),
             reports: Mutex::default(),
             link,
-            stop: stop.clone(),
+            stop: signals.asked(),
         };
-        server.serve(&|request| host.answer(request), &|| stop.load(Ordering::Relaxed));
+        let stop = || signals.have_come();
+        server.serve(&|request| host.answer(request), &|| host.leave_silent(), &stop);
+        host.leave_all();
         Ok(Done { text: String::new(), satisfied: true })
     }
 }
@@ -190,6 +192,24 @@ struct Flying {
     work: Work,
     news: Condvar,
     count: Mutex<u64>,
+    /// When its page was last heard.
+    heard: Mutex<Instant>,
+}
+
+impl Flying {
+    fn new(work: Work) -> Flying {
+        Flying { work, news: Condvar::new(), count: Mutex::new(0), heard: Mutex::new(Instant::now()) }
+    }
+
+    /// Its page is there.
+    fn hear(&self) {
+        *self.heard.lock().unwrap_or_else(PoisonError::into_inner) = Instant::now();
+    }
+
+    /// Whether its page has gone: one that waits for more asks again at once.
+    fn is_left(&self) -> bool {
+        self.heard.lock().unwrap_or_else(PoisonError::into_inner).elapsed() > SILENT
+    }
 }
 
 /// Who answers the page: brings threads and time to the explorer.
@@ -210,6 +230,8 @@ struct Host {
 const REPORTS: usize = 8;
 /// Questions that are known at once.
 const WORKS: usize = 64;
+/// A page that has not been heard for so long has been closed: nobody waits for what it asked.
+const SILENT: Duration = Duration::from_secs(30);
 
 impl Host {
     fn answer(&self, request: &Request) -> Response {
@@ -287,19 +309,37 @@ impl Host {
             Ok(work) => work,
             Err(why) => return text(400, PLAIN, why),
         };
-        let flying = Arc::new(Flying { work, news: Condvar::new(), count: Mutex::new(0) });
+        let flying = Arc::new(Flying::new(work));
         *slot.lock().unwrap_or_else(PoisonError::into_inner) = Arc::downgrade(&flying);
         {
             let mut works = self.works.lock().unwrap_or_else(PoisonError::into_inner);
             works.retain(|other| other.work.ask.tab != flying.work.ask.tab);
             if works.len() == WORKS {
-                works.remove(0);
+                works.remove(0).work.course.stop();
             }
             works.push(flying.clone());
         }
-        let (explorer, pool, worker) = (self.explorer.clone(), self.pool.clone(), flying.clone());
-        std::thread::spawn(move || pool.install(|| explorer.run(&worker.work)));
+        let (explorer, worker) = (self.explorer.clone(), flying.clone());
+        self.pool.spawn(move || explorer.run(&worker.work));
         next(&flying, 0, FIRST)
+    }
+
+    /// Ends the work for pages that have been closed.
+    fn leave_silent(&self) {
+        let mut works = self.works.lock().unwrap_or_else(PoisonError::into_inner);
+        works.retain(|flying| {
+            let is_left = flying.is_left();
+            if is_left {
+                flying.work.course.stop();
+            }
+            !is_left
+        });
+    }
+
+    /// Ends all work.
+    fn leave_all(&self) {
+        let mut works = self.works.lock().unwrap_or_else(PoisonError::into_inner);
+        works.drain(..).for_each(|flying| flying.work.course.stop());
     }
 
     /// What comes after what the page has.
@@ -319,7 +359,10 @@ impl Host {
         let flying = works.iter().find(|f| f.work.ask.tab == more.tab && f.work.ask.ask == more.ask).cloned();
         drop(works);
         match flying {
-            Some(flying) => next(&flying, more.have, MORE),
+            Some(flying) => {
+                flying.hear();
+                next(&flying, more.have, MORE)
+            }
             None => text(204, PLAIN, ""),
         }
     }

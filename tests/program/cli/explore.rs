@@ -438,22 +438,58 @@ fn the_report_of_a_state_is_that_of_optimize() {
 
 #[test]
 #[cfg(unix)]
-fn ctrl_c_ends_it() {
-    let mut served = Served::shipped("ankle_prosthesis_parallel_spring");
-    // While it is asked.
-    assert_eq!(served.post("ask", r#"{"tab":"a","ask":1}"#).0, 200);
-    let id = served.child.id().to_string();
-    assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
-    let began = Instant::now();
-    let status = loop {
-        if let Some(status) = served.child.try_wait().unwrap() {
-            break status;
-        }
-        assert!(began.elapsed() < Duration::from_secs(20), "it goes on");
-        std::thread::sleep(Duration::from_millis(20));
+fn ctrl_c_and_what_kill_sends_end_it() {
+    for signal in ["-INT", "-TERM"] {
+        let mut served = Served::shipped("ankle_prosthesis_parallel_spring");
+        // While it is asked.
+        assert_eq!(served.post("ask", r#"{"tab":"a","ask":1}"#).0, 200);
+        let id = served.child.id().to_string();
+        assert!(Command::new("kill").args([signal, &id]).status().unwrap().success());
+        let began = Instant::now();
+        let status = loop {
+            if let Some(status) = served.child.try_wait().unwrap() {
+                break status;
+            }
+            assert!(began.elapsed() < Duration::from_secs(20), "it goes on");
+            std::thread::sleep(Duration::from_millis(20));
+        };
+        assert_eq!(status.code(), Some(0), "{signal}");
+        assert!(TcpStream::connect(("127.0.0.1", served.port)).is_err());
+    }
+}
+
+/// Pages that nobody speaks for any more make no work: of more pages than are known the oldest ones' questions end.
+#[test]
+fn questions_of_pages_that_are_forgotten_are_stopped() {
+    let source = Source::read(&repository("requirements/ankle_prosthesis_parallel_spring.toml")).unwrap();
+    let rows = Rows::new(Catalog::builtin().unwrap(), true, false);
+    let ground = Ground { source, begin: BTreeMap::new(), rows, words: Vec::new() };
+    let explorer = Explorer::new(ground, |words| words.join(" ")).unwrap();
+    let ask = |tab: usize| {
+        let body = json!({ "tab": format!("tab {tab}"), "ask": 1, "state": { "scale.torque": "1.01" } }).to_string();
+        explorer.begin(&body, Box::new(|| ())).unwrap()
     };
-    assert_eq!(status.code(), Some(0));
-    assert!(TcpStream::connect(("127.0.0.1", served.port)).is_err());
+    let works: Vec<_> = (0..100).map(ask).collect();
+    let going: Vec<usize> = (0..100).filter(|k| !works[*k].course.is_stopped()).collect();
+    assert_eq!(going, (36..100).collect::<Vec<_>>());
+    // One that was stopped before its turn came is not begun.
+    explorer.run(&works[0]);
+    assert_eq!((works[0].next(0), works[0].course.far().1), (Next::Nothing, 0));
+}
+
+/// However many pages ask, a process has no thread for each.
+#[test]
+#[cfg(target_os = "linux")]
+fn many_pages_take_no_thread_each() {
+    let served = Served::shipped("ankle_prosthesis_parallel_spring");
+    for tab in 0..80 {
+        let ask = json!({ "tab": format!("tab {tab}"), "ask": 1, "state": { "scale.torque": format!("1.{tab:02}") } });
+        assert_eq!(served.post("ask", &ask.to_string()).0, 200);
+    }
+    let threads = std::fs::read_dir(format!("/proc/{}/task", served.child.id())).unwrap().count();
+    let cores = std::thread::available_parallelism().unwrap().get();
+    // The two pools, the connections that are open, and the one that listens.
+    assert!(threads <= 2 * cores + 16 + 2, "{threads} threads");
 }
 
 #[test]
