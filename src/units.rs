@@ -138,11 +138,53 @@ kinds! {
     RATIO = "pure number", [0, 0, 0, 0, 0], Exactly(0.0), "1", "0.95";
 }
 
+/// What no machine that this program speaks of comes near; of other kinds [`LARGEST`] alone holds. Copper has no resistance left at
+/// 39 K in the law by which it is computed.
+const BOUNDS: &[(&Kind, [f64; 2])] = &[
+    (&TORQUE, [-1e12, 1e12]),
+    (&SPEED, [-1e9, 1e9]),
+    (&TIME, [-1e12, 1e12]),
+    (&MASS, [-1e9, 1e9]),
+    (&LENGTH, [-1e6, 1e6]),
+    (&INERTIA, [-1e12, 1e12]),
+    (&VOLTAGE, [-1e6, 1e6]),
+    (&CURRENT, [-1e12, 1e12]),
+    (&POWER, [-1e12, 1e12]),
+    (&TEMPERATURE, [100.0, 1e4]),
+];
+
 impl Kind {
     /// "a torque", "an inertia".
     pub fn with_article(&self) -> String {
         let article = if self.name.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
         format!("{article} {}", self.name)
+    }
+
+    /// The least and the most \[SI\] that a number of it may be: what is beyond is a slip of the pen or of the unit.
+    pub fn bounds(&self) -> [f64; 2] {
+        let known = BOUNDS.iter().find(|(kind, _)| kind.name == self.name);
+        known.map_or([-LARGEST, LARGEST], |(_, bounds)| *bounds)
+    }
+
+    /// Whether a number of it \[SI\] is within its bounds.
+    pub fn holds(&self, value: f64) -> bool {
+        let [least, most] = self.bounds();
+        (least..=most).contains(&value)
+    }
+
+    /// Its bounds in words.
+    pub fn bounds_words(&self) -> String {
+        let number = crate::words::number;
+        match self.bounds() {
+            [least, most] if least == -most => {
+                format!("{} of at most {} {}", self.with_article(), number(most), self.si)
+            }
+            [least, most] if self.angle == Temperature => {
+                let [least, most] = [least, most].map(|kelvin| number(in_unit(kelvin, "degC")));
+                format!("{} of {least} to {most} degC", self.with_article())
+            }
+            [least, most] => format!("{} of {} to {} {}", self.with_article(), number(least), number(most), self.si),
+        }
     }
 
     /// The power of the ampere in its unit: what another unit of current makes of a number.

@@ -174,25 +174,11 @@ fn audit_gear(gear: &Gear) -> Vec<Finding> {
         let why = "the efficiency counts for all of the loss, and that torque for backdriving alone";
         add("gear-efficiency-point", Severity::Note, message, Some(why));
     }
-    let of_ratings = &gear.ratings;
-    let torques = [
-        ("continuous_torque", gear.continuous_torque),
-        ("average_torque", of_ratings.average_torque),
-        ("peak_torque", gear.peak_torque),
-        ("momentary_peak_torque", of_ratings.momentary_peak_torque),
-        ("ratcheting_torque", of_ratings.ratcheting_torque),
-    ];
-    let speeds = [("average_input_speed", of_ratings.average_input_speed), ("max_input_speed", gear.max_input_speed)];
-    for (ratings, unit) in [(&torques[..], "N*m"), (&speeds[..], "rpm")] {
-        let known: Vec<(&str, f64)> = ratings.iter().filter_map(|(name, value)| Some((*name, (*value)?))).collect();
-        for ((lower, least), (upper, most)) in known.iter().zip(known.iter().skip(1)) {
-            if least > most {
-                let show = |si: f64| number(crate::units::in_unit(si, unit));
-                let message =
-                    format!("{lower} ({} {unit}) is more than {upper} ({} {unit})", show(*least), show(*most));
-                add("gear-ratings", Severity::Error, message, None);
-            }
-        }
+    let ratings = gear.ratings.contradictions(gear.continuous_torque, gear.peak_torque, gear.max_input_speed);
+    for ([(lower, least), (upper, most)], unit) in ratings {
+        let show = |si: f64| number(crate::units::in_unit(si, unit));
+        let message = format!("{lower} ({} {unit}) is more than {upper} ({} {unit})", show(least), show(most));
+        add("gear-ratings", Severity::Error, message, None);
     }
     findings
 }

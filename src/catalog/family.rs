@@ -231,10 +231,8 @@ fn check_name(root: &Section, name: &str, span: Span<usize>) {
 /// Reads the points, by rising ratio, each with an id.
 fn read_points(root: &Section, name: &str, gear: Option<&Gear>, parts: &[Part; 2]) -> Vec<Gear> {
     let before = root.noted();
-    let sections = root.sections(key(POINTS, "one for each gear of the family").required());
-    if sections.is_empty() && !root.has(POINTS) {
-        root.missing(POINTS, "a table [[point]] for each gear");
-    }
+    let about = "one for each gear of the family";
+    let sections = root.some_sections(key(POINTS, about).required(), "a table [[point]] for each gear");
     let mut points: Vec<(Gear, Span<usize>)> = Vec::new();
     if let Some(extra) = sections.get(MOST_POINTS) {
         let message = format!("the family has {} points", sections.len());

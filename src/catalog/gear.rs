@@ -116,6 +116,31 @@ impl GearRatings {
         Ok(Rated { life: quantile.l10(life), speed, torque })
     }
 
+    /// Torques and speeds of a gear that contradict each other: the name and the value of one that may not be more than the
+    /// next, those of the next, and the unit that they are told in.
+    pub fn contradictions(
+        &self,
+        continuous_torque: Option<f64>,
+        peak_torque: Option<f64>,
+        max_input_speed: Option<f64>,
+    ) -> Vec<([(&'static str, f64); 2], &'static str)> {
+        let torques = [
+            ("continuous_torque", continuous_torque),
+            ("average_torque", self.average_torque),
+            ("peak_torque", peak_torque),
+            ("momentary_peak_torque", self.momentary_peak_torque),
+            ("ratcheting_torque", self.ratcheting_torque),
+        ];
+        let speeds = [("average_input_speed", self.average_input_speed), ("max_input_speed", max_input_speed)];
+        let of = |ratings: &[(&'static str, Option<f64>)], unit: &'static str| {
+            let known: Vec<(&'static str, f64)> =
+                ratings.iter().filter_map(|(name, value)| Some((*name, (*value)?))).collect();
+            let pairs = known.windows(2).filter(|pair| pair[0].1 > pair[1].1);
+            pairs.map(|pair| ([pair[0], pair[1]], unit)).collect::<Vec<_>>()
+        };
+        [of(&torques, "N*m"), of(&speeds, "rpm")].concat()
+    }
+
     /// Whether the average torque replaces the continuous torque, which then is the torque of the rated life and no limit by
     /// itself.
     pub fn average_replaces_continuous(&self) -> bool {

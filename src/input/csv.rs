@@ -325,7 +325,13 @@ impl Table {
             }
         };
         let whole = !matches!(column.content, Content::Count) || value.fract() == 0.0 && value <= f64::from(u32::MAX);
-        if !range.contains(value) || !whole || !units::is_sane(value) {
+        let bounded = match column.content {
+            Content::Quantity(kind, _) | Content::Stated(kind, ..) if !kind.holds(value) => Some(kind.bounds_words()),
+            _ => None,
+        };
+        let is_in = range.contains(value) && whole && units::is_sane(value);
+        if !is_in || bounded.is_some() {
+            let expected = bounded.filter(|_| is_in).unwrap_or_else(|| expected.to_string());
             let mut problem = Problem::at(
                 self.cell_span(row, name),
                 format!("`{name}` is out of range"),
@@ -382,7 +388,7 @@ impl Table {
             for (k, text) in [first, second].into_iter().enumerate() {
                 let (kind, range) = kinds[k];
                 match units::number_value(text).map(|value| units[k].as_ref().map_or(value, |u| u.to_si(value, kind))) {
-                    Ok(value) if range.contains(value) && units::is_sane(value) => pair[k] = value,
+                    Ok(value) if range.contains(value) && kind.holds(value) => pair[k] = value,
                     Ok(_) => problems.push(Problem::at(
                         span.clone(),
                         format!("`{name}`: `{text}` is out of range"),

@@ -417,6 +417,22 @@ impl<'a> Section<'a> {
         self.sections_at(key, &path)
     }
 
+    /// A list of tables that has one at least, as [`Section::sections`]; that there is none is noted.
+    pub fn some_sections(&self, key: impl Into<Key>, example: &str) -> Vec<Section<'a>> {
+        let key = key.into();
+        let name = key.name;
+        let sections = self.sections(key);
+        match self.value(name) {
+            None => self.missing(name, example),
+            Some(value) if value.get_ref().as_array().is_some_and(|list| list.is_empty()) => self.form.note(
+                Problem::at(value.span(), format!("{} is empty", self.name(name)), "expected one table at least")
+                    .help(format!("give {example}")),
+            ),
+            Some(_) => {}
+        }
+        sections
+    }
+
     /// As [`Section::sections`], under another name than the key's: of a key that tables of two kinds have.
     pub fn sections_at(&self, key: impl Into<Key>, path: &str) -> Vec<Section<'a>> {
         let key = key.into();

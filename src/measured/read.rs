@@ -257,11 +257,11 @@ fn read_bench(
         root.section(COLUMNS).map_or((Vec::new(), true), |section| columns::read(section, &frame));
     let known = actuator_known && complete;
     let common = Common { kind, load: load.unwrap_or_default(), controller, columns, frame: &frame };
-    let sections = root.sections(LOGS);
     let enough = for_row && (readings.terminals.is_some() || readings.rotor.is_some());
-    if sections.is_empty() && !root.has("log") && !enough {
-        root.missing("log", "a table [[log]] with file = \"run1.csv\" for each log");
-    }
+    let sections = match enough {
+        true => root.sections(LOGS),
+        false => root.some_sections(LOGS, LOG),
+    };
     let count = sections.len();
     let plans: Vec<Plan> = sections.into_iter().filter_map(|section| read_plan(section, &common, known)).collect();
     check_laws(root, &plans);
@@ -298,6 +298,7 @@ const WITHOUT: Key =
     key("without", "effects that are not asked for, where one knows better").value("list of names").default("none");
 const KIND: Key = key("kind", "what the logs record; may be in each log");
 const LOGS: Key = key("log", "the logs, at least one for `identify`");
+const LOG: &str = "a table [[log]] with file = \"run1.csv\" for each log";
 const COLUMNS: Key = key("columns", "what the columns of the logs are; may be in each log");
 const LOAD: Key = key("load", "what hangs at the output").value("table");
 const PENDULUM: Key = key("pendulum", "a pendulum at the output, in place of `load`").value("table");

@@ -115,15 +115,7 @@ pub(super) fn read(section: Section) -> Option<Bus> {
         &units::CURRENT,
         Range::Positive,
     );
-    if let (Some(most), Some(held)) = (drive_current, drive.continuous_current)
-        && held > most
-    {
-        let message =
-            format!("`drive_continuous_current` of [bus] is {held} A, more than its `drive_current` of {most} A");
-        let problem =
-            Problem::at(section.span_of("drive_continuous_current"), message, "more than the drive gives at all");
-        section.note(problem.help("both are amplitudes: a continuous current is at most the largest"));
-    }
+    drive.check(&section, ["drive_current", "drive_continuous_current"], drive_current);
     let regeneration = regeneration.flatten().unwrap_or(Regeneration::Allowed);
     let regeneration_efficiency = section.number(
         key("regeneration_efficiency", "share of what a motor gives back that is kept, drive and supply together")

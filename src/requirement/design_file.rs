@@ -353,10 +353,9 @@ fn read_design(root: &Section, from: Requirement, others: &mut Vec<InputError>) 
         Vec::new()
     };
     let rules = root.text(key("rules", "rules file for `check`").value("file")).map(|file| folder.join(file.get_ref()));
-    let sections = root.sections(key("joint", "one for each joint of the requirement").required());
-    if sections.is_empty() && !root.has("joint") {
-        root.missing("joint", "a table [[joint]] for each joint of the requirement");
-    }
+    let about = "one for each joint of the requirement";
+    let sections =
+        root.some_sections(key("joint", about).required(), "a table [[joint]] for each joint of the requirement");
     if let Some(extra) = sections.get(limits::JOINTS) {
         let message = limits::too_many("joints", sections.len(), limits::JOINTS);
         root.note(Problem::at(extra.span(), message, "one too many").help("split the design into several"));

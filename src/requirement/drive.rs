@@ -1,6 +1,6 @@
 //! What a drive loses, and whether the motor's drag counts: keys of `[bus]`, `[joint.drive]` and `[[joint]]`.
 
-use crate::input::{Range, Section, key};
+use crate::input::{Problem, Range, Section, key};
 use crate::units;
 
 /// What is said of a drive beside its largest current and its efficiency.
@@ -33,6 +33,17 @@ impl Drive {
             supply_lead_resistance: self.supply_lead_resistance.or(other.supply_lead_resistance),
             continuous_current: self.continuous_current.or(other.continuous_current),
             field_weakening_current: self.field_weakening_current.or(other.field_weakening_current),
+        }
+    }
+
+    /// Notes a continuous current that is more than the largest; `names` are those of the largest and of the continuous one.
+    pub(super) fn check(&self, section: &Section, names: [&'static str; 2], largest: Option<f64>) {
+        let (Some(most), Some(held)) = (largest, self.continuous_current) else { return };
+        if held > most {
+            let [of_most, of_held] = names;
+            let message = format!("`{of_held}` is {held} A, more than the `{of_most}` of {most} A");
+            let problem = Problem::at(section.span_of(of_held), message, "more than the drive gives at all");
+            section.note(problem.help("both are amplitudes: a continuous current is at most the largest"));
         }
     }
 }

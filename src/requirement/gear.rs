@@ -532,6 +532,7 @@ pub(super) fn read_gear(section: &Section, stages: Option<usize>, money: &Money)
             Range::NonNegative,
         ),
     };
+    check_ratings(section, &gear);
     let covers =
         key("efficiency_covers", "only `load` here: `load_and_gear` needs gears of the catalogue").default("`load`");
     if section.choice(covers, EfficiencyCovers::NAMES) == Some(EfficiencyCovers::LoadAndGear) {
@@ -542,6 +543,19 @@ pub(super) fn read_gear(section: &Section, stages: Option<usize>, money: &Money)
         );
     }
     gear
+}
+
+/// Notes what a gear may bear for long that is more than what it may bear at all.
+fn check_ratings(section: &Section, gear: &GearModel) {
+    for ([(lower, least), (upper, most)], unit) in
+        gear.ratings.contradictions(gear.continuous_torque, gear.peak_torque, gear.max_input_speed)
+    {
+        let show = |si: f64| crate::words::number(units::in_unit(si, unit));
+        let message =
+            format!("`{lower}` of [gear] is {} {unit}, more than its `{upper}` of {} {unit}", show(least), show(most));
+        let problem = Problem::at(section.span_of(lower), message, "more than it may bear at all");
+        section.note(problem.help(format!("correct one of the two: `{lower}` is at most `{upper}`")));
+    }
 }
 
 /// Keys that say something of what a gear loses.

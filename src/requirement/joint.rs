@@ -106,6 +106,7 @@ pub(super) fn read(
             ),
             ..drive::read(&table, ["phase_resistance", "standby_power", "continuous_current"])
         };
+        drive.check(&table, ["current", "continuous_current"], current);
         // A key that is none is a mistake of its own.
         if table.items().is_empty() {
             let keys = [

@@ -345,7 +345,7 @@ pub(super) fn read(section: Section, ambient: f64, money: &Money) -> Limits {
         ),
         mount_resistance: None,
         safety: section
-            .number(key("safety", "factor on demanded torque and current, not on heat").default("1"), Range::Positive)
+            .number(key("safety", "factor on demanded torque and current, not on heat").default("1"), Range::AtLeastOne)
             .unwrap_or(1.0),
         reserves: read_reserves(&section),
         temperature_reserve: 0.0,

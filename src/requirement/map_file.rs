@@ -161,6 +161,18 @@ fn read_table(source: &Arc<Source>, problems: &mut Vec<Problem>) -> Option<(Vec<
                 format!("`backdrive_efficiency` of {} is out of range in row {}", crate::words::number(above), row + 1);
             problems.push(Problem::at(table.cell_span(row, "backdrive_efficiency"), message, "expected at most 1"));
         }
+        if let (Some(held), Some(most)) = (read.continuous_torque, read.peak_torque)
+            && held > most
+        {
+            let message = format!(
+                "`continuous_torque` of {} N*m is more than `peak_torque` of {} N*m in row {}",
+                crate::words::number(held),
+                crate::words::number(most),
+                row + 1
+            );
+            let span = table.cell_span(row, "continuous_torque");
+            problems.push(Problem::at(span, message, "more than the gear may bear at all"));
+        }
         rows.push(read);
     }
     if problems.len() > before {

@@ -195,10 +195,8 @@ fn read_robot(root: &Section, no_springs: Option<&str>, motions: &mut MotionRead
         let help = "say regeneration = \"none\", \"dissipated\", or a power; or `regeneration` in [budget], for all joints together";
         root.note(Problem::at(root.span_of("bus"), message, "nothing to act on").help(help));
     }
-    let sections = root.sections(key("joint", "the joints, at least one").required());
-    if sections.is_empty() && !root.has("joint") {
-        root.missing("joint", "a table [[joint]] for each joint");
-    }
+    let sections =
+        root.some_sections(key("joint", "the joints, at least one").required(), "a table [[joint]] for each joint");
     if let Some(extra) = sections.get(limits::JOINTS) {
         let message = limits::too_many("joints", sections.len(), limits::JOINTS);
         root.note(Problem::at(extra.span(), message, "one too many").help("split the robot into several requirements"));

@@ -4,7 +4,7 @@
 //! minimise different things there is no common unit: each is then divided by the best that its joint
 //! could have alone, and that is said.
 
-use crate::requirement::{Joint, Objective};
+use crate::requirement::Joint;
 
 /// How the joints' objectives make one number.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,7 +26,9 @@ impl Total {
     /// Where joints minimise different things and a joint has no best, or one of zero or less: nothing can be measured by it.
     pub fn new(joints: &[Joint], best: &[f64]) -> Result<Total, String> {
         let counts = joints.iter().map(|j| f64::from(j.count));
-        let first: &Objective = &joints[0].objective;
+        let Some(Joint { objective: first, .. }) = joints.first() else {
+            return Err("the robot has no joints".into());
+        };
         if joints.iter().all(|j| j.objective == *first) {
             return Ok(Total { scale: counts.collect(), name: first.name(), unit: first.unit(), relative: false });
         }

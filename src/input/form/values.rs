@@ -34,6 +34,16 @@ impl Section<'_> {
         self.in_range(number.unwrap_or(f64::NAN), value.span(), key, range)
     }
 
+    /// A quantity that is none of this world is a slip.
+    fn in_bounds(&self, number: f64, span: Span<usize>, key: &str, kind: &'static Kind) -> Option<f64> {
+        if kind.holds(number) {
+            return Some(number);
+        }
+        let message = format!("{} is out of range", self.name(key));
+        self.form.note(Problem::at(span, message, format!("expected {}", kind.bounds_words())));
+        None
+    }
+
     fn in_range(&self, number: f64, span: Span<usize>, key: &str, range: Range) -> Option<f64> {
         if number.is_finite() && units::is_sane(number) && range.contains(number) {
             return Some(number);
@@ -82,8 +92,12 @@ impl Section<'_> {
         let key = key.into();
         let value = self.ask(&key, &Asked::Quantity(kind))?;
         let key = key.name;
-        let read = self.read_quantity(value, key, kind, Range::NonNegative)?;
-        Some(value.get_ref().as_str().and_then(|text| units::difference(text, kind).ok()).unwrap_or(read))
+        // A difference of temperatures may be small.
+        let text = value.get_ref().as_str().and_then(|text| units::difference(text, kind).ok());
+        match text {
+            Some(difference) => self.in_range(difference, value.span(), key, Range::NonNegative),
+            None => self.read_quantity(value, key, kind, Range::NonNegative),
+        }
     }
 
     /// Pairs of quantities, `[["7 N*m", "120 s"], ["10 N*m", "18 s"]]`, in SI, if the key is there.
@@ -203,7 +217,7 @@ impl Section<'_> {
                     return None;
                 }
                 self.form.bare.borrow_mut().push((value.span(), kind.si));
-                return Some(number);
+                return self.in_bounds(number, value.span(), key, kind);
             }
             DeValue::Integer(_) | DeValue::Float(_) => {
                 self.form.note(
@@ -239,7 +253,10 @@ impl Section<'_> {
         range: Range,
     ) -> Option<f64> {
         match units::quantity(text, kind) {
-            Ok(number) => self.in_range(number, value.span(), key, range),
+            Ok(number) => {
+                let number = self.in_range(number, value.span(), key, range)?;
+                self.in_bounds(number, value.span(), key, kind)
+            }
             Err(error) => {
                 let help = words.meant(text).map(|near| format!("did you mean `{near}`?"));
                 self.form.note(

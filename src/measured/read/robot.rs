@@ -67,10 +67,8 @@ pub(super) fn read(
     let kind = root.choice(KIND, BenchKind::NAMES);
     let mut files = vec![source.file()];
     let described = read_mechanism(root, &mut files, others);
-    let sections = root.sections(JOINTS);
-    if sections.is_empty() && !root.has("joint") {
-        root.missing("joint", "a table [[joint]] with mechanism_joint = \"elbow_joint\" for each joint");
-    }
+    let example = "a table [[joint]] with mechanism_joint = \"elbow_joint\" for each joint";
+    let sections = root.some_sections(JOINTS, example);
     let count = sections.len();
     let mut readings: Vec<Reading> = Vec::new();
     let without = read_without(root, &[]).unwrap_or_default();
@@ -82,10 +80,7 @@ pub(super) fn read(
     if let (Some(mechanism), true) = (mechanism, readings.len() == count) {
         check_joints(root, mechanism, &readings, described.as_ref().map_or(&[], |(_, fixed)| fixed));
     }
-    let sections = root.sections(LOGS);
-    if sections.is_empty() && !root.has("log") {
-        root.missing("log", "a table [[log]] with file = \"run1.csv\" for each log");
-    }
+    let sections = root.some_sections(LOGS, LOG);
     let mut plans = Vec::new();
     let mut carrying = Vec::new();
     for section in sections {

@@ -3,6 +3,7 @@
 mod answer;
 mod audit_against;
 mod basics;
+mod beyond;
 mod budgets;
 mod catalog_cli;
 mod catalogs;

@@ -60,8 +60,10 @@ fn currency() -> impl Strategy<Value = (Currency, u8)> {
 /// Each number of a row, with or without ±.
 fn numbers<S: 'static>(fields: &'static [Field<S>]) -> impl Strategy<Value = Vec<Option<Printed>>> {
     let one = |field: &'static Field<S>| {
-        let printed = |(value, tolerance): (f64, Option<f64>)| Printed {
-            value,
+        // Not at the very bounds of its kind, which another unit may round over.
+        let [least, most] = field.kind.bounds();
+        let printed = move |(value, tolerance): (f64, Option<f64>)| Printed {
+            value: value.clamp(least.max(least * 1.01), most * 0.99),
             tolerance: tolerance.filter(|_| field.tolerance.is_some()),
         };
         of((number(field.range), of(number(Range::NonNegative))).prop_map(printed))

@@ -6,6 +6,7 @@ use std::ops::Range as Span;
 use super::record::{Mistakes, Record, short};
 use super::wanted::{Condition, Rows, Wanted};
 use crate::input::Problem;
+use crate::measured::bench::Channel;
 use crate::measured::read::columns::{Column, Target};
 use crate::measured::read::remark::Remark;
 use crate::units;
@@ -305,9 +306,17 @@ fn parse(record: Record, cell: &Cell, mistakes: &mut Mistakes) -> Option<f64> {
         _ => raw,
     };
     let value = column.gain * raw + column.offset;
-    if !units::is_sane(value) {
+    let is_temperature =
+        matches!(column.target, Target::Channel(Channel::WindingTemperature | Channel::HousingTemperature));
+    if !units::is_sane(value) || is_temperature && !units::TEMPERATURE.holds(value) {
         let message = format!("`{}` is out of range: `{}`", column.name, short(&record.text(cell.position)));
-        mistakes.add(record, Some(cell.position), message, "no quantity is that large", "leave the cell blank");
+        mistakes.add(
+            record,
+            Some(cell.position),
+            message,
+            "no quantity of its kind is that large or small",
+            "leave the cell blank",
+        );
         return None;
     }
     Some(value)
