@@ -57,6 +57,13 @@ A_2,Other,two,BLDC,24,0.05,0.5,0.0001,0.3,1e-5,470,0.2,4,inf,900,800,Inf,,,,
 CSV
 echo 'key,manufacturer,ID,type,stages,ratio,mass,inertia,efficiency,direction,max_int_torque,max_cont_torque
 G_1,Acme,g,planetary,1,5,0.1,1e-7,0.9,1,10,5' > db/a_gearboxes.csv
+cat > arm.urdf <<'XML'
+<robot name="arm"><link name="base"/><link name="tip"><inertial><mass value="2"/></inertial></link>
+<joint name="elbow" type="revolute"><parent link="base"/><child link="tip"/><axis xyz="0 1 0"/>
+<limit effort="900" velocity="5" lower="-1" upper="1"/></joint></robot>
+XML
+printf '[[joint]]\nnames = ["elbow"]\nmodule = "robstride-rs04"\n' > hardware.toml
+"$G" study study.toml --out part --shard 1/1 --quiet > /dev/null || { echo "the examples are not good"; exit 2; }
 "$G" optimize robot.toml --catalog motors.csv --write-design design.toml > /dev/null || { echo "the examples are not good"; exit 2; }
 cd ..
 DESK=$WORK/desk
@@ -78,6 +85,10 @@ declare -A OUTPUTS=(
   [study]="study study.toml --out OUT --force"
   [row]="characterize $BENCH/motor_on_bench.toml --write OUT.csv"
   [fitted]="identify $BENCH/leg_actuator.toml --write OUT.toml"
+  [plan]="identify $BENCH/leg_actuator.toml --plan OUT.csv"
+  [fix]="check-model arm.urdf --against hardware.toml --fix --out OUT.urdf"
+  [static]="explore robot.toml --catalog motors.csv --grid scale.torque=1,1.5 --static OUT.html"
+  [merge]="merge OUT part --force"
 )
 NAMES=$(printf '%s\n' "${!OUTPUTS[@]}" | sort)
 run() { (cd "$DESK" && eval "\"$G\" ${OUTPUTS[$1]//OUT/$2}"); }

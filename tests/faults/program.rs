@@ -92,6 +92,14 @@ impl Desk {
             ("knee.csv", motion()),
             ("motors.csv", MOTORS.to_string()),
             ("model.urdf", MODEL.to_string()),
+            (
+                "arm.urdf",
+                MODEL
+                    .replace("continuous", "revolute")
+                    .replace("<axis", "<limit effort=\"900\" velocity=\"5\" lower=\"-1\" upper=\"1\"/><axis"),
+            ),
+            ("hardware.toml", "[[joint]]\nnames = [\"elbow\"]\nmodule = \"robstride-rs04\"\n".into()),
+            ("row.csv", MOTORS.lines().take(2).map(|line| line.replace("alpha-1", "row-1") + "\n").collect()),
             ("rules.toml", RULES.to_string()),
             ("bench.toml", bench),
             ("log.csv", log),
@@ -105,6 +113,16 @@ impl Desk {
         }
         let written = desk.run(&["optimize", "robot.toml", "--catalog", "motors.csv", "--write-design", "design.toml"]);
         assert_eq!(written.status.code(), Some(0), "{}", said(&written));
+        desk
+    }
+
+    /// With what a command needs beside: the shard that is merged.
+    fn for_command(arguments: &[&str]) -> Desk {
+        let desk = Desk::new();
+        if arguments[0] == "merge" {
+            let shard = ["study", "study.toml", "--out", "part", "--catalog", "motors.csv", "--shard", "1/1"];
+            assert_eq!(desk.run(&shard).status.code(), Some(0));
+        }
         desk
     }
 
@@ -193,12 +211,29 @@ const OUTPUTS: &[(&[&str], &str)] = &[
     (&["man", "--out", "out"], "out"),
     (&["study", "study.toml", "--out", "out", "--catalog", "motors.csv"], "out"),
     (&["characterize", "bench.toml", "--plot", "out.svg"], "out.svg"),
+    (&["check-model", "arm.urdf", "--against", "hardware.toml", "--fix", "--out", "out.urdf"], "out.urdf"),
+    (&["catalog", "new", "motor", "--write", "new.csv"], "new.csv"),
+    (&["catalog", "add", "row.csv", "--to", "added.csv"], "added.csv"),
+    (
+        &["explore", "robot.toml", "--catalog", "motors.csv", "--grid", "scale.torque=1,1.5", "--static", "out.html"],
+        "out.html",
+    ),
+    (&["merge", "out", "part"], "out"),
 ];
+
+/// Files that are written where there is none: a lock is read before it is written, a template is never replaced, and a row is
+/// added once.
+const ONCE: &[&str] = &["design.lock", "new.csv", "added.csv"];
+
+/// What a command is told where its results are there already.
+fn anew(arguments: &[&str]) -> &'static [&'static str] {
+    if ["study", "import", "merge"].contains(&arguments[0]) { &["--force"] } else { &[] }
+}
 
 #[test]
 fn the_good_files_are_good() {
-    let desk = Desk::new();
     for (arguments, target) in OUTPUTS {
+        let desk = Desk::for_command(arguments);
         let output = desk.run(arguments);
         assert!(output.status.code() < Some(2), "{arguments:?}: {}", said(&output));
         assert!(desk.path(target).exists(), "{arguments:?}");
@@ -281,10 +316,9 @@ fn a_closed_pipe_is_no_error_and_no_fall() {
 fn what_does_not_fit_leaves_what_was_there() {
     for blocks in [0, 1] {
         for (arguments, target) in OUTPUTS {
-            let desk = Desk::new();
+            let desk = Desk::for_command(arguments);
             let folder = *target == "out";
-            // A lock is read before it is written.
-            let old = !folder && *target != "design.lock";
+            let old = !folder && !ONCE.contains(target);
             if old {
                 desk.write(target, b"old");
             }
@@ -304,12 +338,12 @@ fn what_does_not_fit_leaves_what_was_there() {
                 // A small file fits into a block.
                 assert!(blocks > 0 && output.status.code() < Some(2), "{arguments:?}: {}", said(&output));
             }
-            assert!(hidden.iter().all(|h| h.ends_with(".study.lock")), "{arguments:?}: {hidden:?}");
+            let of_study = |h: &PathBuf| [".study.lock", ".study"].iter().any(|name| h.ends_with(name));
+            assert!(hidden.iter().all(of_study), "{arguments:?}: {hidden:?}");
             // What is there is whole: with room it is the same.
             if folder && arguments[0] != "study" {
                 let (some, _) = files(&desk.path("out"));
-                let mut again = arguments.to_vec();
-                again.extend((arguments[0] == "import").then_some("--force"));
+                let again = [arguments, anew(arguments)].concat();
                 assert!(desk.run(&again).status.code() < Some(2), "{arguments:?}");
                 let (all, _) = files(&desk.path("out"));
                 assert!(some.iter().all(|(name, bytes)| all[name] == *bytes), "{arguments:?}");
@@ -423,18 +457,17 @@ impl Drop for Running {
 fn killed_at_any_moment_outputs_are_whole_or_not_there() {
     let mut rng = Pcg64::seed_from_u64(8);
     for (arguments, target) in OUTPUTS {
-        let desk = Desk::new();
+        let desk = Desk::for_command(arguments);
         let folder = *target == "out";
         let begun = Instant::now();
         assert!(desk.run(arguments).status.code() < Some(2));
         let takes = begun.elapsed();
         let (reference, _) = files(&desk.path(target));
-        let anew: &[&str] = if ["study", "import"].contains(&arguments[0]) { &["--force"] } else { &[] };
-        let again = [arguments, anew].concat();
+        let again = [arguments, anew(arguments)].concat();
         for _ in 0..6 {
             if folder {
                 fs::remove_dir_all(desk.path(target)).unwrap();
-            } else if *target == "design.lock" {
+            } else if ONCE.contains(target) {
                 let _ = fs::remove_file(desk.path(target));
             } else {
                 desk.write(target, b"old");
@@ -450,11 +483,93 @@ fn killed_at_any_moment_outputs_are_whole_or_not_there() {
             }
             fs::create_dir_all(desk.path("out")).unwrap();
         }
-        if *target == "design.lock" {
+        if ONCE.contains(target) {
             let _ = fs::remove_file(desk.path(target));
         }
         assert!(desk.run(&again).status.code() < Some(2), "{arguments:?}");
         assert_eq!(files(&desk.path(target)).0, reference, "{arguments:?}");
+    }
+}
+
+/// With too little memory a process ends where it is, with a message or without: what it writes is whole or not there. A row
+/// that is added leaves the rows that were there.
+#[test]
+fn out_of_memory_outputs_are_whole_or_not_there() {
+    for (arguments, target) in OUTPUTS {
+        let desk = Desk::for_command(arguments);
+        let folder = *target == "out";
+        let adds = *target == "added.csv";
+        let old = desk.read("motors.csv");
+        let begin = || match (folder, adds) {
+            (true, _) => drop(fs::remove_dir_all(desk.path(target))),
+            (_, true) => desk.write(target, old.as_bytes()),
+            _ if ONCE.contains(target) => drop(fs::remove_file(desk.path(target))),
+            _ => desk.write(target, b"old"),
+        };
+        begin();
+        assert!(desk.run(arguments).status.code() < Some(2), "{arguments:?}");
+        let (reference, _) = files(&desk.path(target));
+        let mut ended = 0;
+        // In KiB, from what the program does not even begin with.
+        for most in [8_000, 16_000, 32_000, 48_000, 64_000, 96_000, 128_000, 192_000, 256_000] {
+            begin();
+            let output = desk.shell(&format!("ulimit -v {most}; exec \"$G\" {}", arguments.join(" ")));
+            let status = output.status.code();
+            ended += usize::from(status.is_none_or(|status| status > 1));
+            for (name, bytes) in files(&desk.path(target)).0 {
+                let journal = name.starts_with("journal");
+                let whole = reference.get(&name) == Some(&bytes);
+                let stays = !folder && (bytes == b"old" || adds && bytes == old.as_bytes());
+                assert!(
+                    whole || stays || journal,
+                    "{arguments:?}, {most} KiB: {} has {} bytes",
+                    name.display(),
+                    bytes.len()
+                );
+                // What is said to be done is done.
+                assert!(status.is_none_or(|status| status > 1) || !stays, "{arguments:?}, {most} KiB");
+            }
+        }
+        assert!(ended > 0, "{arguments:?}: no limit was too little");
+        // And nothing that is left keeps the next call from its work.
+        begin();
+        assert!(desk.run(&[arguments, anew(arguments)].concat()).status.code() < Some(2), "{arguments:?}");
+        assert_eq!(files(&desk.path(target)).0, reference, "{arguments:?}");
+    }
+}
+
+/// Rows that are added to a catalogue while other calls are killed: every row of a call that said so is there, and no lock is left
+/// that a later one would wait for.
+#[test]
+fn rows_that_were_added_outlive_the_calls_that_are_killed() {
+    let desk = Desk::new();
+    desk.write("kept.csv", MOTORS.as_bytes());
+    let mut rng = Pcg64::seed_from_u64(9);
+    let header = MOTORS.lines().next().unwrap();
+    let mut added = Vec::new();
+    let begun = Instant::now();
+    let mut takes = Duration::ZERO;
+    for k in 0..24 {
+        let id = format!("row-{k}");
+        let row = MOTORS.lines().nth(1).unwrap().replace("alpha-1", &id);
+        desk.write(&format!("{id}.csv"), format!("{header}\n{row}\n").as_bytes());
+        let add = ["catalog", "add", &format!("{id}.csv"), "--to", "kept.csv"];
+        let child = desk.command(&add).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        let mut running = Running(child);
+        if k == 0 {
+            assert_eq!(running.0.wait().unwrap().code(), Some(0));
+            takes = begun.elapsed();
+            added.push(id);
+            continue;
+        }
+        std::thread::sleep(takes.mul_f64(rng.random_range(0.3..1.2)));
+        if running.0.try_wait().unwrap().is_some_and(|status| status.success()) {
+            added.push(id);
+        }
+        drop(running);
+        let text = desk.read("kept.csv");
+        assert!(text.starts_with(MOTORS) && text.ends_with('\n'), "{text}");
+        assert!(added.iter().all(|id| text.contains(&format!("\n{id},"))), "{added:?}\n{text}");
     }
 }
 
