@@ -23,6 +23,11 @@ pub fn given(name: &str, otherwise: u64) -> u64 {
     std::env::var(name).map_or(otherwise, |n| n.parse().expect("a number"))
 }
 
+/// The folder with data of others that are no part of the repository, named by `GEARWISE_SHARED`.
+pub fn shared() -> Option<std::path::PathBuf> {
+    std::env::var_os("GEARWISE_SHARED").map(Into::into)
+}
+
 /// The path of a file of the repository.
 pub fn repository(path: &str) -> std::path::PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)

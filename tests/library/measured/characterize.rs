@@ -57,7 +57,7 @@ fn the_numbers_of_the_paper() {
 
 /// The bench file of real RI50 runs: `(run, kind)`.
 fn ri50(runs: &[(&str, &str)], more: &str) -> Option<Bench> {
-    let data = crate::common::real::data().join("embir_ri50_direct/embir_ri50_direct.csv");
+    let data = crate::common::real::data()?.join("embir_ri50_direct/embir_ri50_direct.csv");
     if !data.exists() {
         println!("not run: 1 sets");
         return None;

@@ -414,11 +414,10 @@ fn joule(motor: &Motor, gear: &Gear, motion: &[[f64; 3]]) -> f64 {
 
 #[test]
 fn the_real_database() {
-    let shared = repository("../shared");
-    if !shared.join("mgdb").is_dir() {
-        println!("skipped: ../shared/mgdb is not there");
+    let Some(shared) = crate::common::shared().filter(|shared| shared.join("mgdb").is_dir()) else {
+        println!("not run: GEARWISE_SHARED names no folder with mgdb");
         return;
-    }
+    };
     let database = Database::new(&[]);
     let output = import(&shared.join("mgdb"), &database.path("out"), &["--json"]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));

@@ -11,21 +11,20 @@ use gearwise::requirement::{
     Course, EfficiencyCovers, GearModel, Motion, Objective, Point, Quantity, RatioChoice, Regeneration, Samples, Spring,
 };
 
-use crate::common::{repository, robot};
+use crate::common::robot;
 
-/// Where the data are: `GEARWISE_SHARED`, or beside the repository.
-fn shared() -> std::path::PathBuf {
-    std::env::var_os("GEARWISE_SHARED").map_or_else(|| repository("../shared"), Into::into)
+/// The folder of the data, where it is named and has them.
+fn shared() -> Option<std::path::PathBuf> {
+    crate::common::shared().filter(|shared| shared.join("mgdb").is_dir() && shared.join("cases/cords").is_dir())
 }
 
 #[test]
 fn every_feasible_pair_of_cords_with_its_loss() {
-    let shared = shared();
-    let (database, case) = (shared.join("mgdb"), shared.join("cases/cords"));
-    if !database.is_dir() || !case.is_dir() {
-        println!("skipped: ../shared/mgdb and ../shared/cases/cords are not there");
+    let Some(shared) = shared() else {
+        println!("not run: GEARWISE_SHARED names no folder with mgdb and cases/cords");
         return;
-    }
+    };
+    let (database, case) = (shared.join("mgdb"), shared.join("cases/cords"));
     // The catalogue, by the program's own importer.
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("catalog");
@@ -109,11 +108,8 @@ fn every_feasible_pair_of_cords_with_its_loss() {
 
 /// The imported database and the problem's motion, as points and in time; nothing is left out yet.
 fn problem() -> Option<(Catalog, [Motion; 2])> {
-    let shared = shared();
+    let shared = shared()?;
     let (database, case) = (shared.join("mgdb"), shared.join("cases/cords"));
-    if !database.is_dir() || !case.is_dir() {
-        return None;
-    }
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("catalog");
     let imported = std::process::Command::new(env!("CARGO_BIN_EXE_gearwise"))
@@ -154,7 +150,7 @@ fn problem() -> Option<(Catalog, [Motion; 2])> {
 #[test]
 fn the_least_energy_of_cords_with_a_spring_and_regeneration() {
     let Some((mut catalog, _)) = problem() else {
-        println!("not run: ../shared/mgdb and ../shared/cases/cords are not there");
+        println!("not run: GEARWISE_SHARED names no folder with mgdb and cases/cords");
         return;
     };
     let later = ["tm-ak-60-6", "tm-ak-80-6", "tm-u8-kv100"];
@@ -166,11 +162,12 @@ fn the_least_energy_of_cords_with_a_spring_and_regeneration() {
         motor.reference_temperature = 373.15;
     }
     catalog.gears.iter_mut().for_each(|gear| gear.continuous_torque = None);
-    let rows: Vec<Vec<f64>> = csv::Reader::from_path(shared().join("cases/cords/arm_trajectory.csv"))
-        .unwrap()
-        .records()
-        .map(|row| row.unwrap().iter().map(|cell| cell.parse().unwrap()).collect())
-        .collect();
+    let rows: Vec<Vec<f64>> =
+        csv::Reader::from_path(shared().expect("a problem has its data").join("cases/cords/arm_trajectory.csv"))
+            .unwrap()
+            .records()
+            .map(|row| row.unwrap().iter().map(|cell| cell.parse().unwrap()).collect())
+            .collect();
     let column = |i: usize| rows.iter().map(|row| row[i]).collect::<Vec<f64>>();
     let samples = Samples {
         time: column(0),
@@ -294,7 +291,7 @@ fn ranking(catalog: &Catalog, motions: &[Motion; 2], on: Defaults) -> Ranking {
 #[ignore = "prints figures; needs the database"]
 fn what_our_defaults_change() {
     let Some((catalog, motions)) = problem() else {
-        println!("skipped: ../shared/mgdb and ../shared/cases/cords are not there");
+        println!("not run: GEARWISE_SHARED names no folder with mgdb and cases/cords");
         return;
     };
     let known = |f: fn(&gearwise::catalog::Motor) -> bool| catalog.motors.iter().filter(|m| f(m)).count();
