@@ -8,6 +8,8 @@
 
 use std::fmt;
 
+use crate::words::shorten;
+
 /// Exponents of kilogram, metre, second, ampere, kelvin.
 type Dims = [f64; 5];
 
@@ -375,14 +377,6 @@ pub fn is_sane(value: f64) -> bool {
 
 fn finite(value: f64, text: &str) -> Result<f64, UnitError> {
     if is_sane(value) { Ok(value) } else { Err(UnitError::NotANumber(shorten(text))) }
-}
-
-/// At most 60 characters of a text, for messages.
-fn shorten(text: &str) -> String {
-    match text.char_indices().nth(60) {
-        Some((at, _)) => format!("{}…", &text[..at]),
-        None => text.to_string(),
-    }
 }
 
 /// Length in bytes of the number at the start of `text`: digits, sign, point, exponent.

@@ -11,7 +11,11 @@ use toml::Spanned;
 use toml::de::{DeString, DeTable, DeValue};
 
 use super::describe::Asked;
-use super::{Change, Description, InputError, Key, Problem, Source};
+use super::{Change, Description, InputError, Key, Problem, Source, limits};
+use crate::words::shorten;
+
+/// At most this many mistakes of syntax are collected: they tend to follow from each other.
+const MOST_SYNTAX: usize = 100;
 
 /// A parsed TOML file together with the problems found in it so far.
 #[derive(Debug)]
@@ -119,7 +123,7 @@ impl Form {
                 }
             }
         }
-        for error in &errors {
+        for error in errors.iter().take(MOST_SYNTAX) {
             let message = error.message().lines().next().unwrap_or("not valid TOML").to_string();
             let end = source.text().len();
             let span = error.span().map_or(0..0, |s| s.start.min(end)..s.end.min(end));
@@ -156,7 +160,10 @@ impl Form {
     }
 
     fn note(&self, problem: Problem) {
-        self.problems.borrow_mut().push(problem);
+        let mut problems = self.problems.borrow_mut();
+        if problems.len() < limits::PROBLEMS {
+            problems.push(problem);
+        }
     }
 }
 
@@ -329,7 +336,7 @@ impl<'a> Section<'a> {
                     Spanned::new(name.span(), name.get_ref().to_string()),
                     Spanned::new(item.span(), text.to_string()),
                 )),
-                None => self.wrong_type(item, name.get_ref(), "a string in quotes"),
+                None => self.wrong_type(item, &shorten(name.get_ref()), "a string in quotes"),
             }
         }
         entries
@@ -384,7 +391,7 @@ impl<'a> Section<'a> {
             self.form.note(
                 Problem::at(
                     text.span(),
-                    format!("{} cannot be `{}`", self.name(key), text.get_ref()),
+                    format!("{} cannot be `{}`", self.name(key), shorten(text.get_ref())),
                     "not one of the choices",
                 )
                 .suggest(text.get_ref(), names),
@@ -521,7 +528,7 @@ impl<'a> Section<'a> {
                     key.span(),
                     format!(
                         "unknown key `{}` {}",
-                        key.get_ref(),
+                        shorten(key.get_ref()),
                         if self.path.is_empty() { place.to_string() } else { format!("in {place}") }
                     ),
                     "not a key of this table",
@@ -544,4 +551,35 @@ fn decimal_comma(text: &str, at: usize) -> bool {
 
 fn article(word: &str) -> &'static str {
     if word.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::input::{Range, key};
+
+    #[test]
+    fn a_long_key_is_cut_in_messages() {
+        let long = "k".repeat(1 << 20);
+        let text = format!("{long} = 1\nword = \"{long}\"\n");
+        let source = Arc::new(Source::new("r.toml", text));
+        let read = |root: &Section| root.choice(key("word", "a word"), &[("one", 1), ("two", 2)]);
+        let error = Form::read(&source, read).unwrap_err();
+        assert_eq!(error.problems.iter().filter_map(|p| Some(p.span.as_ref()?.start)).min(), Some(0));
+        assert_eq!(error.problems.len(), 2);
+        for problem in error.problems {
+            assert!(problem.message.len() < 200 && problem.help.is_none_or(|help| help.len() < 200));
+        }
+    }
+
+    #[test]
+    fn a_number_that_sizes_things_is_bounded_either_way() {
+        let read = |text: &str| {
+            let source = Arc::new(Source::new("r.toml", text));
+            let number = |root: &Section| root.at_most("n", root.number(key("n", "a number"), Range::Any), 10.0, "");
+            Form::read(&source, number).map_err(|error| error.problems[0].span.clone())
+        };
+        assert_eq!((read("n = -10").unwrap(), read("n = 10").unwrap()), (-10.0, 10.0));
+        assert_eq!((read("n = 10.1"), read("n = -1e9")), (Err(Some(4..8)), Err(Some(4..8))));
+    }
 }

@@ -15,6 +15,24 @@ pub const TEXT_BYTES: u64 = 64 << 20;
 pub const TABLE_ROWS: usize = 2_000_000;
 /// Numbers of a log that are held: rows times columns (23 million rows of seven columns, 1.3 GB).
 pub const LOG_NUMBERS: usize = 1 << 28;
+/// Numbers that any log may have: below this, [`log_numbers`] does not ask how large the file is.
+const LOG_NUMBERS_ALWAYS: usize = 1 << 22;
+/// Numbers per byte of a log: a packed log of measured values has at most one.
+const LOG_NUMBERS_PER_BYTE: u64 = 8;
+/// Size that any file may be unpacked to \[bytes\]; a larger one is bounded by its own size, see [`unpacked`].
+const UNPACKED_ALWAYS: u64 = 64 << 20;
+/// Ratio of unpacked to packed size of a file above [`UNPACKED_ALWAYS`].
+const EXPANSION: u64 = 64;
+/// Size of the message definitions of a recording, all together \[bytes\].
+pub const SCHEMA_BYTES: usize = 8 << 20;
+/// Messages inside one another in a message definition.
+pub const SCHEMA_DEPTH: usize = 32;
+/// Values of one message of a recording.
+pub const MESSAGE_VALUES: usize = 1 << 21;
+/// Size of a message in JSON \[bytes\].
+pub const JSON_MESSAGE_BYTES: usize = 4 << 20;
+/// Length of a column name that is listed \[bytes\].
+pub const NAME_BYTES: usize = 1 << 10;
 /// Joints of a requirement, a design or a trajectory.
 pub const JOINTS: usize = 10_000;
 /// Samples of the motions of all joints together.
@@ -23,12 +41,39 @@ pub const SAMPLES: usize = 10_000_000;
 pub const DEPTH: usize = 200;
 /// Elements of a robot description.
 pub const ELEMENTS: u32 = 1_000_000;
+/// Attributes of an element of a robot description.
+pub const ATTRIBUTES: usize = 1000;
+/// Characters of the name of a link, body or joint of a robot description.
+pub const NAME_CHARACTERS: usize = 200;
+/// Ratio of a gear of a bench: the largest compound gears have some thousands.
+pub const RATIO: f64 = 1e4;
+/// Order of a ripple over a turn of the motor that is looked for: its spectrum takes some 100 MB.
+pub const ORDER: f64 = 4000.0;
+/// Rest angle of a spring, either way \[rad\].
+pub const REST_ANGLE: f64 = 100.0;
+/// Designs of a sweep: joints times motors times ratios (some 1 kB each).
+pub const SWEPT_DESIGNS: usize = 1_000_000;
+/// Mistakes of one file that are collected.
+pub const PROBLEMS: usize = 10_000;
+/// Characters of each part of a report of a mistake: message, label, help.
+pub const REPORT_CHARACTERS: usize = 3000;
 /// Points of the grid of a study.
 pub const GRID_POINTS: u64 = 1_000_000_000;
 /// Robots of a study: requirements times points of the grid.
 pub const ROBOTS: u64 = 1 << 40;
 /// Pixels of a picture: 256 MB while it is drawn.
 pub const PIXELS: u64 = 1 << 26;
+
+/// Numbers of a log of this size that are held; a text counts as the numbers that take its memory.
+pub(crate) fn log_numbers(bytes: u64) -> usize {
+    let most = bytes.saturating_mul(LOG_NUMBERS_PER_BYTE).clamp(LOG_NUMBERS_ALWAYS as u64, LOG_NUMBERS as u64);
+    usize::try_from(most).unwrap_or(LOG_NUMBERS)
+}
+
+/// Size that a file of this size is unpacked to at most \[bytes\].
+pub(crate) fn unpacked(bytes: u64) -> u64 {
+    bytes.saturating_mul(EXPANSION).max(UNPACKED_ALWAYS)
+}
 
 /// A problem with the size of a file; `None` where it is small enough.
 pub(crate) fn bytes(found: u64, most: u64) -> Option<Problem> {

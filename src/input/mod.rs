@@ -25,9 +25,9 @@ pub(crate) use file::{Opened, utf_16};
 pub use form::{Form, Section};
 pub use key_path::key_path;
 pub use locate::{Step, locate};
-#[cfg(feature = "report")]
-pub(crate) use source::tame;
 pub use source::{InputError, InputFile, Problem, Source, hex, sha256};
+#[cfg(feature = "report")]
+pub(crate) use source::{printable, tame};
 pub use stated::{Stated, Words};
 
 /// What values a number may have.

@@ -17,6 +17,7 @@ use super::file::{self, Opened};
 use super::key_path::key_path;
 use super::limits;
 use crate::output::inputs;
+use crate::words::{cut, is_bidirectional_control};
 
 /// At most this many problems of one file are printed; the rest are counted.
 const MAX_SHOWN: usize = 50;
@@ -268,6 +269,14 @@ fn neighbour(path: &Path) -> Option<String> {
     crate::words::nearest(path.file_name()?.to_str()?, names.iter().map(String::as_str)).map(String::from)
 }
 
+/// A part of a message that may quote a file, cut to a length that can be read.
+fn bounded(text: String) -> String {
+    match cut(&text, limits::REPORT_CHARACTERS) {
+        Cow::Owned(cut) => cut,
+        Cow::Borrowed(_) => text,
+    }
+}
+
 /// One mistake in an input file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Problem {
@@ -284,18 +293,19 @@ pub struct Problem {
 impl Problem {
     /// A problem at a place.
     pub fn at(span: Range<usize>, message: impl Into<String>, label: impl Into<String>) -> Problem {
-        Problem { message: message.into(), span: Some(span), label: label.into(), help: None }
+        let (message, label) = (bounded(message.into()), bounded(label.into()));
+        Problem { message, span: Some(span), label, help: None }
     }
 
     /// A problem of the whole file.
     pub fn whole(message: impl Into<String>) -> Problem {
-        Problem { message: message.into(), span: None, label: String::new(), help: None }
+        Problem { message: bounded(message.into()), span: None, label: String::new(), help: None }
     }
 
     /// Adds what to do about it.
     #[must_use]
     pub fn help(mut self, help: impl Into<String>) -> Problem {
-        self.help = Some(help.into());
+        self.help = Some(bounded(help.into()));
         self
     }
 
@@ -357,7 +367,7 @@ impl fmt::Display for InputError {
         let config = term::Config::default();
         for problem in self.problems.iter().take(MAX_SHOWN) {
             // A tab in what is said of a file would only tear its line apart.
-            let told = |text: &str| tame(text).replace('\t', " ");
+            let told = |text: &str| tame(&cut(text, limits::REPORT_CHARACTERS)).replace('\t', " ");
             let (message, label) = (told(&problem.message), told(&problem.label));
             let help = problem.help.as_deref().map(told);
             let long = problem.span.as_ref().is_some_and(|s| {
@@ -367,7 +377,7 @@ impl fmt::Display for InputError {
                 end - start > 600
             });
             if long || problem.span.is_none() || self.source.of_values {
-                let place = self.source.place(problem);
+                let place = told(&self.source.place(problem));
                 let place = if place.is_empty() { place } else { format!(":{place}") };
                 writeln!(f, "error: {message}")?;
                 writeln!(f, "  ┌─ {name}{place}")?;
@@ -398,23 +408,25 @@ impl fmt::Display for InputError {
 
 impl std::error::Error for InputError {}
 
-/// A name without control characters, so that it cannot drive the terminal.
-fn printable(name: &str) -> String {
-    name.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
+/// A name on one line, without what could drive the terminal.
+pub(crate) fn printable(name: &str) -> String {
+    let odd = |c: char| c.is_control() || is_bidirectional_control(c);
+    name.chars().map(|c| if odd(c) { '\u{fffd}' } else { c }).collect()
 }
 
-/// Whether a character could drive a terminal: control characters other than line ends and tabs.
+/// True if a character could drive a terminal, or change the order in which it shows text: control characters other
+/// than line ends and tabs.
 fn drives(c: char, next: Option<char>) -> bool {
     match c {
         '\n' | '\t' => false,
         '\r' => next != Some('\n'),
-        _ => c.is_control(),
+        _ => c.is_control() || is_bidirectional_control(c),
     }
 }
 
 /// Lines of text of which parts come from files, without what could drive a terminal.
 pub(crate) fn tame(text: &str) -> Cow<'_, str> {
-    if !text.contains(|c: char| c.is_control() && c != '\n') {
+    if !text.contains(|c: char| c != '\n' && drives(c, None)) {
         return text.into();
     }
     let next = text.chars().skip(1).map(Some).chain([None]);
@@ -428,8 +440,11 @@ fn in_place(text: &str) -> Cow<'_, str> {
     let mut characters = text.char_indices().peekable();
     while let Some((at, c)) = characters.next() {
         if drives(c, characters.peek().map(|(_, next)| *next)) {
-            // All control characters have one byte or two.
-            let sign = if c.len_utf8() == 1 { "?" } else { "¿" };
+            let sign = match c.len_utf8() {
+                1 => "?",
+                2 => "¿",
+                _ => "\u{fffd}",
+            };
             shown.to_mut().replace_range(at..at + c.len_utf8(), sign);
         }
     }
@@ -449,5 +464,44 @@ mod tests {
         let report = InputError { source, problems: vec![problem, Problem::whole("\u{1b}]0;title\u{7}")] }.to_string();
         assert!(report.chars().all(|c| c == '\n' || !c.is_control()), "{report:?}");
         assert!(report.contains("1 │ a = \"?[2J¿31m?b\"\n") && report.contains("  ^^^^ here\u{fffd}"), "{report}");
+    }
+
+    #[test]
+    fn no_text_changes_the_direction_of_reading() {
+        let marks: Vec<char> =
+            "\u{61c}\u{200e}\u{200f}\u{202a}\u{202b}\u{202c}\u{202d}\u{202e}\u{2066}\u{2067}\u{2068}\u{2069}"
+                .chars()
+                .collect();
+        for mark in marks {
+            let text = format!("a = \"{mark}x\"\n");
+            let clean = |text: &str| assert!(!text.contains(mark), "{text:?}");
+            clean(&tame(&text));
+            clean(&printable(&text));
+            clean(&in_place(&text));
+            assert_eq!(in_place(&text).len(), text.len(), "spans stay");
+            let source = Arc::new(Source::new(format!("{mark}.toml"), text.clone()));
+            let problem = Problem::at(4..5, format!("m{mark}"), format!("l{mark}")).help(format!("h{mark}"));
+            clean(&InputError { source, problems: vec![problem] }.to_string());
+        }
+        // Letters of languages that are written from the right stay.
+        assert_eq!(tame("שלום سلام\tx"), "שלום سلام\tx");
+    }
+
+    #[test]
+    fn a_report_is_bounded_whatever_it_quotes() {
+        let long = "x".repeat(1 << 20);
+        let source = Arc::new(Source::new("a.toml", format!("{long} = 1\n")));
+        let problem = || Problem {
+            message: long.clone(),
+            span: Some(0..long.len()),
+            label: long.clone(),
+            help: Some(long.clone()),
+        };
+        let error = InputError { source, problems: (0..1000).map(|_| problem()).collect() };
+        assert!(error.to_string().len() < 1 << 20);
+        let made = Problem::at(0..1, long.clone(), long.clone()).help(long.clone());
+        let most = limits::REPORT_CHARACTERS + '…'.len_utf8();
+        assert!([made.message, made.label, made.help.unwrap()].iter().all(|text| text.len() <= most));
+        assert_eq!(Problem::whole("short").message, "short");
     }
 }

@@ -4,6 +4,7 @@ pub mod csv;
 pub mod handy;
 pub mod xml;
 
+use std::borrow::Cow;
 use std::io;
 
 /// Below this a number is what rounding leaves of zero.
@@ -117,6 +118,24 @@ pub fn with_unit(value: f64, unit: &str) -> String {
     format!("{} {}", number(value), if unit == "1" { "" } else { unit }).trim_end().to_string()
 }
 
+/// At most 60 characters of a text, for messages.
+pub(crate) fn shorten(text: &str) -> String {
+    cut(text, 60).into_owned()
+}
+
+/// At most so many characters of a text; a mark at its end says that there were more.
+pub(crate) fn cut(text: &str, most: usize) -> Cow<'_, str> {
+    match text.char_indices().nth(most) {
+        Some((at, _)) => Cow::Owned(format!("{}…", &text[..at])),
+        None => Cow::Borrowed(text),
+    }
+}
+
+/// True for a character that changes the direction of the text around it: what a person reads is not what is written.
+pub(crate) fn is_bidirectional_control(c: char) -> bool {
+    matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
 /// `1 joint`, `2 joints`.
 pub fn counted(count: usize, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
@@ -135,7 +154,8 @@ pub fn nearest<'a>(text: &str, names: impl IntoIterator<Item = &'a str>) -> Opti
     }
     let wanted = plain(text);
     let mut best: Option<(f64, &str)> = None;
-    for name in names {
+    // The table of edits of a long name would take more memory than the file that it is of.
+    for name in names.into_iter().filter(|name| name.len() <= 300) {
         let score = strsim::jaro_winkler(&wanted, &plain(name));
         let edits = strsim::damerau_levenshtein(&wanted, &plain(name));
         let near = edits <= 1 || (edits <= wanted.len().max(name.len()) / 3) || score > 0.9;

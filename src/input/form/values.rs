@@ -56,6 +56,16 @@ impl Section<'_> {
         None
     }
 
+    /// Note a number of a key that is larger than any real one, either way. Such a number sizes what is computed.
+    pub fn at_most(&self, key: &'static str, number: Option<f64>, most: f64, unit: &str) -> Option<f64> {
+        if number.is_none_or(|number| number.abs() <= most) {
+            return number;
+        }
+        let (message, most) = (format!("{} is out of range", self.name(key)), crate::words::number(most));
+        self.note(Problem::at(self.span_of(key), message, format!("expected at most {most}{unit}")));
+        None
+    }
+
     /// A quantity with its unit, in SI, if the key is there.
     pub fn quantity(&self, key: impl Into<Key>, kind: &'static Kind, range: Range) -> Option<f64> {
         let key = key.into();

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::text::{is_same, place, printable};
+use super::text::{is_same, place};
+use crate::input::printable;
 use crate::mechanism::stated::Quantity;
 use crate::report::table::{Column, Table, paragraph};
 use crate::report::tint::Tint;

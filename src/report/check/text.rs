@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::input::printable;
 use crate::report::table::{Column, Table, paragraph};
 use crate::report::tint::Tint;
 use crate::report::{counted, number, optional};
@@ -16,11 +17,6 @@ pub(in crate::report) fn place(location: &Location) -> String {
         Some(key) if key.is_empty() => file,
         Some(key) => format!("{file} {}", printable(key)),
     }
-}
-
-/// Names of files and catalogues cannot drive the terminal.
-pub(in crate::report) fn printable(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
 }
 
 /// The report.

@@ -1,7 +1,8 @@
 //! The page of a check: what was asked, what each rule found with its numbers and how to mend it, and every margin.
 
 use super::{Page, Part, Row, Section, Table, Verdict, asked, estimated, folded};
-use crate::report::check::text::{assumed, not_judged, place, printable, summary};
+use crate::input::printable;
+use crate::report::check::text::{assumed, not_judged, place, summary};
 use crate::report::check::unit_of;
 use crate::report::explain::{limit_columns, limit_rows};
 use crate::report::{counted, number, optional};
