@@ -57,8 +57,8 @@ pub fn unusable(column: &str, what: impl std::fmt::Display, help: impl Into<Stri
 }
 
 /// That so many numbers are more than can be taken.
-pub fn too_large(what: &str, numbers: impl std::fmt::Display) -> Problem {
-    Problem::whole(limits::too_many(what, numbers, limits::LOG_NUMBERS))
+pub fn too_large(what: &str, numbers: impl std::fmt::Display, most: usize) -> Problem {
+    Problem::whole(limits::too_many(what, numbers, most))
         .help("keep every n-th row, or cut the recording into several files")
 }
 

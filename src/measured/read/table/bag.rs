@@ -10,12 +10,13 @@ mod schema;
 
 use std::collections::BTreeMap;
 use std::fs::File;
+use std::rc::Rc;
 
 use self::node::Leaf;
 use self::records::Event;
 use self::schema::Schema;
 use super::arrays::{Asked, Loaded, too_large, unusable};
-use super::record::Series;
+use super::record::{Series, TEXT_NUMBERS, short};
 use crate::input::{Problem, limits};
 
 /// Fields that each topic has beside those of its messages: the times of the recording \[ns\].
@@ -23,11 +24,14 @@ const LOG_TIME: &str = "log_time";
 const PUBLISH_TIME: &str = "publish_time";
 /// At most this many names of columns are kept for one topic.
 const MAX_NAMES: usize = 2000;
+/// At most this many names of columns are kept of a file.
+const MAX_HEADER: usize = 100_000;
 
 /// How the messages of a topic are read.
+#[derive(Clone)]
 enum Decoder {
-    Cdr(Schema),
-    Ros1(Schema),
+    Cdr(Rc<Schema>),
+    Ros1(Rc<Schema>),
     Json,
     /// Not at all: why, and what to do.
     Not(String, String),
@@ -37,8 +41,8 @@ enum Decoder {
 struct Topic {
     name: String,
     decoder: Decoder,
-    /// Names of its columns, from its first message.
-    names: Vec<String>,
+    /// Names of its columns, from its first message; `None` before it.
+    names: Option<Vec<String>>,
     /// What is asked of it: place in the list of names, and the path in its messages.
     asked: Vec<(usize, String)>,
 }
@@ -49,13 +53,26 @@ struct Row {
     leaves: Vec<(usize, Leaf)>,
 }
 
+impl Row {
+    /// Numbers that take its memory.
+    fn numbers(&self) -> usize {
+        let of = |(_, leaf): &(usize, Leaf)| match leaf {
+            Leaf::Text(text) => TEXT_NUMBERS + text.len() / 8,
+            Leaf::Number(_) | Leaf::Stamp(_) => 1,
+        };
+        1 + self.leaves.iter().map(of).sum::<usize>()
+    }
+}
+
 /// Reads the columns that are asked for.
 ///
 /// # Errors
 /// The file is damaged, cut off, or packed or written in a way that is not read.
 pub fn read(file: &File, asked: &Asked) -> Result<Loaded, Vec<Problem>> {
     let mut topics: BTreeMap<u16, Topic> = BTreeMap::new();
-    let mut schemas: BTreeMap<u16, (String, String, Vec<u8>)> = BTreeMap::new();
+    let mut schemas: BTreeMap<u16, Described> = BTreeMap::new();
+    let most = limits::log_numbers(file.metadata().map_or(0, |m| m.len()));
+    let mut described = 0;
     // The messages of each topic by its name: several channels may write to one.
     let mut rows: BTreeMap<String, Vec<Row>> = BTreeMap::new();
     let mut problems: Vec<Problem> = Vec::new();
@@ -63,7 +80,11 @@ pub fn read(file: &File, asked: &Asked) -> Result<Loaded, Vec<Problem>> {
     records::each(file, &mut |event| {
         match event {
             Event::Schema { id, name, encoding, data } => {
-                schemas.insert(id, (name.into(), encoding.into(), data.to_vec()));
+                // The summary at the end repeats them.
+                schemas.entry(id).or_insert_with(|| {
+                    described += data.len();
+                    Described::of(name, encoding, data, described)
+                });
             }
             Event::Channel { id, schema, topic, encoding } => {
                 // The summary at the end repeats them.
@@ -71,7 +92,7 @@ pub fn read(file: &File, asked: &Asked) -> Result<Loaded, Vec<Problem>> {
                 topics.entry(id).or_insert_with(|| Topic {
                     name: topic.into(),
                     decoder: decoder(),
-                    names: Vec::new(),
+                    names: None,
                     asked: asked_of(topic, asked),
                 });
             }
@@ -85,7 +106,7 @@ pub fn read(file: &File, asked: &Asked) -> Result<Loaded, Vec<Problem>> {
                 let found = rows.entry(topic.name.clone()).or_default();
                 match topic.take(log_time, publish_time, data, found.len()) {
                     Ok(Some(row)) => {
-                        numbers += row.leaves.len() + 1;
+                        numbers += row.numbers();
                         found.push(row);
                     }
                     Ok(None) => {}
@@ -93,11 +114,11 @@ pub fn read(file: &File, asked: &Asked) -> Result<Loaded, Vec<Problem>> {
                 }
             }
         }
-        problems.is_empty() && numbers <= limits::LOG_NUMBERS
+        problems.is_empty() && numbers <= most
     })
     .map_err(|problem| vec![problem])?;
-    if numbers > limits::LOG_NUMBERS {
-        return Err(vec![too_large("numbers in this file", numbers)]);
+    if numbers > most {
+        return Err(vec![too_large("numbers in this file", numbers, most)]);
     }
     if !problems.is_empty() {
         return Err(problems);
@@ -111,14 +132,33 @@ fn asked_of(topic: &str, asked: &Asked) -> Vec<(usize, String)> {
     asked.names.iter().enumerate().filter_map(|(k, name)| Some((k, path(name)?))).collect()
 }
 
+/// A schema of the file, parsed once for all channels that use it.
+struct Described {
+    language: String,
+    schema: Result<Rc<Schema>, String>,
+}
+
+impl Described {
+    /// Parse a definition, unless those so far have more bytes than are read.
+    fn of(name: &str, language: &str, text: &[u8], total: usize) -> Described {
+        let schema = match language {
+            _ if total > limits::SCHEMA_BYTES => {
+                Err(limits::too_many("bytes of message definitions", total, limits::SCHEMA_BYTES))
+            }
+            "ros2msg" | "ros1msg" => Schema::parse(name, &String::from_utf8_lossy(text)).map(Rc::new),
+            other => Err(format!("{} is not read", short(other.as_bytes()))),
+        };
+        Described { language: short(language.as_bytes()), schema }
+    }
+}
+
 /// How messages are read, by their encoding and that of their schema.
-fn decoder(encoding: &str, schema: Option<&(String, String, Vec<u8>)>) -> Decoder {
-    let language = schema.map_or("", |(_, language, _)| language.as_str());
-    let parsed = |(name, _, text): &(String, String, Vec<u8>)| Schema::parse(name, &String::from_utf8_lossy(text));
+fn decoder(encoding: &str, schema: Option<&Described>) -> Decoder {
+    let language = schema.map_or("", |described| described.language.as_str());
     match (encoding, language) {
-        ("cdr", "ros2msg") | ("ros1", "ros1msg") => match schema.map(parsed) {
-            Some(Ok(schema)) if encoding == "cdr" => Decoder::Cdr(schema),
-            Some(Ok(schema)) => Decoder::Ros1(schema),
+        ("cdr", "ros2msg") | ("ros1", "ros1msg") => match schema.map(|described| &described.schema) {
+            Some(Ok(schema)) if encoding == "cdr" => Decoder::Cdr(schema.clone()),
+            Some(Ok(schema)) => Decoder::Ros1(schema.clone()),
             Some(Err(what)) => Decoder::Not(format!("its messages cannot be read: {what}"), TO_PARQUET.into()),
             None => Decoder::Not("its messages have no schema".into(), TO_PARQUET.into()),
         },
@@ -128,6 +168,7 @@ fn decoder(encoding: &str, schema: Option<&(String, String, Vec<u8>)>) -> Decode
             "record with descriptions in ros2msg, as rosbag2 does for .msg files".into(),
         ),
         (encoding, _) => {
+            let encoding = short(encoding.as_bytes());
             Decoder::Not(format!("its messages are encoded as {encoding:?}, which is not read"), TO_PARQUET.into())
         }
     }
@@ -141,12 +182,15 @@ impl Topic {
     /// What a message says of what is asked; nothing where it has none of it.
     fn take(&mut self, log_time: u64, publish_time: u64, data: &[u8], number: usize) -> Result<Option<Row>, Problem> {
         // The names are those of the first message; the rest only matters where something of it is asked.
-        if self.asked.is_empty() && !self.names.is_empty() {
+        if self.asked.is_empty() && self.names.is_some() {
             return Ok(None);
         }
         let decoded = match &self.decoder {
             Decoder::Cdr(schema) => cdr::message(schema, data),
             Decoder::Ros1(schema) => cdr::ros1(schema, data),
+            Decoder::Json if data.len() > limits::JSON_MESSAGE_BYTES => {
+                Err(limits::too_many("bytes of a message in JSON", data.len(), limits::JSON_MESSAGE_BYTES))
+            }
             Decoder::Json => serde_json::from_slice(data).map_err(|e| e.to_string()).map(|v| node::of_json(&v, 0)),
             Decoder::Not(what, help) if !self.asked.is_empty() => {
                 let help = help.replace("TOPIC", &self.name);
@@ -156,15 +200,18 @@ impl Topic {
         };
         let message = match decoded {
             Ok(message) => message,
-            Err(_) if self.asked.is_empty() => return Ok(None),
+            Err(_) if self.asked.is_empty() => {
+                self.names = Some(Vec::new());
+                return Ok(None);
+            }
             Err(what) => {
                 let what = format!("message {} of topic `{}`: {what}", number + 1, self.name);
                 return Err(Problem::whole(what).help("is the file damaged, or its schema another?"));
             }
         };
-        if self.names.is_empty() {
-            self.names = message.names(MAX_NAMES);
-            self.names.extend([LOG_TIME, PUBLISH_TIME].map(String::from));
+        if self.names.is_none() {
+            let own = [LOG_TIME, PUBLISH_TIME].map(String::from);
+            self.names = Some(message.names(MAX_NAMES).into_iter().chain(own).collect());
         }
         let mut any = false;
         let mut leaves = Vec::new();
@@ -194,7 +241,9 @@ fn table(
 ) -> Result<Loaded, Vec<Problem>> {
     let mut loaded = Loaded { rows: 1, ..Loaded::default() };
     for topic in topics.values() {
-        loaded.header.extend(topic.names.iter().map(|name| format!("{}/{name}", topic.name)));
+        let names = topic.names.iter().flatten().filter(|name| topic.name.len() + name.len() < limits::NAME_BYTES);
+        let room = MAX_HEADER.saturating_sub(loaded.header.len());
+        loaded.header.extend(names.take(room).map(|name| format!("{}/{name}", topic.name)));
     }
     loaded.header.sort();
     loaded.header.dedup();

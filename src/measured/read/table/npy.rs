@@ -2,7 +2,7 @@
 
 use std::io::{self, Read};
 
-use super::record::Series;
+use super::record::{Series, TEXT_NUMBERS};
 
 /// What an array holds, with the bytes of each value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -52,6 +52,21 @@ impl Head {
             None => Box::new(std::iter::once(array.to_string())),
             Some(columns) => Box::new((0..columns).map(move |k| format!("{array}[:,{k}]"))),
         }
+    }
+
+    /// Size of all its values \[bytes\].
+    pub fn bytes(&self) -> u64 {
+        self.rows.saturating_mul(self.columns.unwrap_or(1)).saturating_mul(self.width() as u64)
+    }
+
+    /// Numbers that take the memory of one of its columns.
+    pub fn numbers(&self) -> u64 {
+        let text = match self.kind {
+            Kind::Wide(n) | Kind::Bytes(n) => TEXT_NUMBERS + n / 8,
+            Kind::Bool => TEXT_NUMBERS,
+            _ => 1,
+        };
+        self.rows.saturating_mul(text as u64)
     }
 
     fn width(&self) -> usize {
@@ -140,6 +155,8 @@ fn kind_of(written: &str) -> Kind {
         ("i", Some(n @ (1 | 2 | 4 | 8))) => Kind::Signed(n),
         ("u", Some(n @ (1 | 2 | 4 | 8))) => Kind::Unsigned(n),
         ("b", Some(1)) => Kind::Bool,
+        // Values without a character take no bytes, however many there are.
+        ("U" | "S" | "a", Some(0)) => Kind::Other("texts without characters"),
         ("U", Some(n)) if n < 1 << 20 => Kind::Wide(n),
         ("S" | "a", Some(n)) if n < 1 << 20 => Kind::Bytes(n),
         ("c", _) => Kind::Other("complex numbers"),

@@ -10,7 +10,7 @@ use parquet::file::reader::{FileReader, RowGroupReader, SerializedFileReader};
 use parquet::schema::types::ColumnDescriptor;
 
 use super::arrays::{Asked, Loaded, too_large, unusable};
-use super::record::Series;
+use super::record::{Series, TEXT_NUMBERS};
 use crate::input::{Problem, limits};
 
 /// Rows that are decoded at once.
@@ -24,6 +24,8 @@ pub fn read(file: &File, asked: &Asked) -> Result<Loaded, Vec<Problem>> {
     let damaged = |e: ParquetError| {
         vec![Problem::whole(format!("the Parquet file cannot be read: {e}")).help("is it cut off? Write it again")]
     };
+    let bytes = file.metadata().map_or(0, |m| m.len());
+    let mut room = limits::log_numbers(bytes);
     let file = file.try_clone().map_err(|e| damaged(ParquetError::from(e)))?;
     let reader = SerializedFileReader::new(file).map_err(damaged)?;
     let schema = reader.metadata().file_metadata().schema_descr_ptr();
@@ -31,9 +33,9 @@ pub fn read(file: &File, asked: &Asked) -> Result<Loaded, Vec<Problem>> {
     let needed: Vec<usize> = (0..header.len()).filter(|k| asked.names.contains(&header[*k].as_str())).collect();
     let groups = reader.metadata().row_groups();
     let rows = groups.iter().try_fold(0_usize, |sum, g| sum.checked_add(usize::try_from(g.num_rows()).ok()?));
-    let rows = rows.filter(|rows| rows.checked_mul(needed.len().max(1)).is_some_and(|n| n <= limits::LOG_NUMBERS));
+    let rows = rows.filter(|rows| rows.checked_mul(needed.len().max(1)).is_some_and(|n| n <= room));
     let Some(rows) = rows else {
-        return Err(vec![too_large("numbers in this file", "its")]);
+        return Err(vec![too_large("numbers in this file", "its", room)]);
     };
     let mut problems = Vec::new();
     let mut series: Vec<Option<Series>> = vec![None; header.len()];
@@ -44,12 +46,18 @@ pub fn read(file: &File, asked: &Asked) -> Result<Loaded, Vec<Problem>> {
             problems.push(unusable(&header[at], what, help));
             continue;
         }
+        let unpacked = groups.iter().map(|g| g.column(at).uncompressed_size()).fold(0_i64, i64::saturating_add);
+        if unpacked.cast_unsigned() > limits::unpacked(bytes) {
+            let what = limits::too_many("bytes unpacked from this file", unpacked, limits::unpacked(bytes));
+            problems.push(unusable(&header[at], what, "keep every n-th row, or cut the recording into several files"));
+            continue;
+        }
         let mut values = Vec::new();
         let mut read = || -> Result<Series, ParquetError> {
             let mut texts: Option<Vec<String>> = None;
             for group in 0..groups.len() {
                 let group = reader.get_row_group(group)?;
-                take(&*group, at, descriptor, &mut values, &mut texts)?;
+                take(&*group, at, descriptor, &mut values, &mut texts, &mut room)?;
             }
             Ok(texts.map_or_else(|| Series::Numbers(std::mem::take(&mut values)), Series::Texts))
         };
@@ -120,40 +128,65 @@ fn take(
     column: &ColumnDescriptor,
     values: &mut Vec<f64>,
     texts: &mut Option<Vec<String>>,
+    room: &mut usize,
 ) -> Result<(), ParquetError> {
     let unsigned = matches!(column.logical_type_ref(), Some(LogicalType::Integer(whole)) if !whole.is_signed)
         || matches!(column.converted_type(), ConvertedType::UINT_32 | ConvertedType::UINT_64);
     let level = column.max_def_level();
     let nan = f64::NAN;
     match group.get_column_reader(at)? {
-        ColumnReader::DoubleColumnReader(reader) => every(reader, level, nan, |v| *v, values),
-        ColumnReader::FloatColumnReader(reader) => every(reader, level, nan, |v| f64::from(*v), values),
-        ColumnReader::Int32ColumnReader(reader) => {
-            every(reader, level, nan, |v| if unsigned { f64::from(v.cast_unsigned()) } else { f64::from(*v) }, values)
-        }
+        ColumnReader::DoubleColumnReader(reader) => every(reader, level, nan, |v| *v, values, room),
+        ColumnReader::FloatColumnReader(reader) => every(reader, level, nan, |v| f64::from(*v), values, room),
+        ColumnReader::Int32ColumnReader(reader) => every(
+            reader,
+            level,
+            nan,
+            |v| if unsigned { f64::from(v.cast_unsigned()) } else { f64::from(*v) },
+            values,
+            room,
+        ),
         ColumnReader::Int64ColumnReader(reader) => {
-            every(reader, level, nan, |v| if unsigned { v.cast_unsigned() as f64 } else { *v as f64 }, values)
+            every(reader, level, nan, |v| if unsigned { v.cast_unsigned() as f64 } else { *v as f64 }, values, room)
         }
         ColumnReader::BoolColumnReader(reader) => {
             let texts = texts.get_or_insert_default();
-            every(reader, level, String::new(), |v: &bool| v.to_string(), texts)
+            every(reader, level, String::new(), |v: &bool| v.to_string(), texts, room)
         }
         ColumnReader::ByteArrayColumnReader(reader) => {
             let texts = texts.get_or_insert_default();
             let text = |v: &ByteArray| String::from_utf8_lossy(v.data()).into_owned();
-            every(reader, level, String::new(), text, texts)
+            every(reader, level, String::new(), text, texts, room)
         }
         _ => Err(ParquetError::General("its type is not read".into())),
     }
 }
 
+/// A value that is held.
+trait Held {
+    /// Numbers that take its memory.
+    fn numbers(&self) -> usize;
+}
+
+impl Held for f64 {
+    fn numbers(&self) -> usize {
+        1
+    }
+}
+
+impl Held for String {
+    fn numbers(&self) -> usize {
+        TEXT_NUMBERS + self.len() / 8
+    }
+}
+
 /// Appends every value of a column of a row group, `missing` where it is null.
-fn every<D: DataType, T: Clone>(
+fn every<D: DataType, T: Clone + Held>(
     mut reader: ColumnReaderImpl<D>,
     level: i16,
     missing: T,
     of: impl Fn(&D::T) -> T,
     to: &mut Vec<T>,
+    room: &mut usize,
 ) -> Result<(), ParquetError> {
     let (mut levels, mut values) = (Vec::new(), Vec::new());
     loop {
@@ -168,7 +201,10 @@ fn every<D: DataType, T: Clone>(
             // Without levels nothing is null.
             let there = level == 0 || levels.get(row).is_some_and(|l| *l == level);
             let value = if there { next.next().map(&of) } else { None };
-            to.push(value.unwrap_or_else(|| missing.clone()));
+            let value = value.unwrap_or_else(|| missing.clone());
+            let left = room.checked_sub(value.numbers());
+            *room = left.ok_or_else(|| ParquetError::General("its values take more memory than may be used".into()))?;
+            to.push(value);
         }
     }
 }

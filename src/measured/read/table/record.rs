@@ -12,11 +12,15 @@ use std::sync::Arc;
 use csv::{ByteRecord, Position};
 
 use crate::input::{InputError, Problem, Source};
+use crate::words::shorten;
 
 /// At most this many mistakes of a log are collected: its rows tend to share them.
 const MAX_PROBLEMS: usize = 20;
 /// At most this much of a line is shown in a report \[bytes\].
 const MAX_LINE: u64 = 1 << 16;
+
+/// Numbers that take the memory of a short text.
+pub const TEXT_NUMBERS: usize = 4;
 
 /// The values of a column.
 #[derive(Debug, Clone, PartialEq)]
@@ -99,11 +103,7 @@ impl<'a> Record<'a> {
 /// A cell for a message.
 pub fn short(bytes: &[u8]) -> String {
     let text = String::from_utf8_lossy(bytes);
-    let clean = |c: char| if c.is_control() { '\u{fffd}' } else { c };
-    match text.char_indices().nth(60) {
-        Some((at, _)) => text[..at].chars().map(clean).chain(['…']).collect(),
-        None => text.chars().map(clean).collect(),
-    }
+    shorten(&text).chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
 }
 
 /// The mistakes of a log with the lines that they are in.

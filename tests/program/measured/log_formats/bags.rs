@@ -247,3 +247,21 @@ fn a_damaged_recording_is_refused_or_read_as_it_was() {
         }
     }
 }
+
+#[test]
+fn a_topic_that_nobody_asks_for_may_be_described_as_it_likes() {
+    let mut file = leg();
+    // 3^31 paths through 32 messages; elements without bytes; an array of arrays of arrays.
+    let next = |k: usize| (0..3).map(|j| format!("M{} f{j}\n", k + 1)).collect::<String>();
+    let inner = |k: usize| format!("===\nMSG: p/M{k}\n{}", if k < 31 { next(k) } else { "Empty[1048576] x\n".into() });
+    let wide = next(0) + &(1..32).map(inner).collect::<String>() + "===\nMSG: p/Empty\n";
+    let empty = "Empty[1048576] a\nEmpty[1048576] b\n===\nMSG: p/Empty\n";
+    let nested = format!("float64{} x\n", "[]".repeat(100_000));
+    for (topic, definition) in [("/wide", &*wide), ("/empty", empty), ("/nested", &*nested)] {
+        let channel = file.topic(topic, "p/M0", "ros2msg", definition, "cdr");
+        file.message(channel, START, &Cdr::default().whole(0).message());
+    }
+    let (found, own) = (good(BENCH, &file.file(Chunks::Plain)), good(BENCH, &leg().file(Chunks::Plain)));
+    assert_eq!(found.logs[0].channels, own.logs[0].channels);
+    assert_eq!(found.logs[0].time, own.logs[0].time);
+}

@@ -3,6 +3,7 @@
 
 use super::node::{Leaf, Node, stamp};
 use super::schema::{Schema, Type};
+use crate::input::limits;
 
 /// Decodes a message of CDR.
 ///
@@ -18,7 +19,7 @@ pub fn message(schema: &Schema, data: &[u8]) -> Result<Node, String> {
         6 | 7 => (*variant == 7, 4),
         other => return Err(format!("it is written as variant {other} of CDR, which is not read")),
     };
-    decode(schema, Cursor { data: content, at: 0, align, little })
+    decode(schema, Cursor { data: content, at: 0, align, little, values: 0 })
 }
 
 /// Decodes a message of ROS 1.
@@ -26,7 +27,7 @@ pub fn message(schema: &Schema, data: &[u8]) -> Result<Node, String> {
 /// # Errors
 /// It ends too early.
 pub fn ros1(schema: &Schema, data: &[u8]) -> Result<Node, String> {
-    decode(schema, Cursor { data, at: 0, align: 1, little: true })
+    decode(schema, Cursor { data, at: 0, align: 1, little: true, values: 0 })
 }
 
 fn decode(schema: &Schema, mut cursor: Cursor) -> Result<Node, String> {
@@ -44,6 +45,8 @@ struct Cursor<'a> {
     /// Values begin at multiples of their size, at most of this.
     align: usize,
     little: bool,
+    /// Values so far, with those that hold others.
+    values: usize,
 }
 
 impl Cursor<'_> {
@@ -84,6 +87,11 @@ impl Cursor<'_> {
     }
 
     fn value(&mut self, schema: &Schema, kind: &Type) -> Result<Node, String> {
+        self.values += 1;
+        // A value takes a byte or more; a few messages may stand around each.
+        if self.values > limits::MESSAGE_VALUES.min(1024 + 4 * self.data.len()) {
+            return Err(limits::too_many("values of a message", self.values, limits::MESSAGE_VALUES));
+        }
         let number = |value: f64| Node::Leaf(Leaf::Number(value));
         Ok(match kind {
             Type::Bool => Node::Leaf(Leaf::Text((self.bytes::<1>()?[0] != 0).to_string())),
@@ -118,6 +126,8 @@ impl Cursor<'_> {
     }
 
     fn list(&mut self, schema: &Schema, of: &Type, count: usize) -> Result<Node, String> {
+        // Elements without fields take no bytes and are no columns.
+        let count = if of.is_empty(schema) { 0 } else { count };
         (0..count).map(|_| self.value(schema, of)).collect::<Result<Vec<Node>, String>>().map(Node::List)
     }
 }
@@ -184,5 +194,19 @@ mod tests {
         }
         let more = [&[0, 1, 0, 0][..], &data(true, 8), &[0; 9]].concat();
         assert!(message(&schema(), &more).unwrap_err().contains("more than its schema says"));
+    }
+
+    #[test]
+    fn values_are_bounded_by_the_bytes_of_the_message() {
+        let text = "Empty[] a\nEmpty[1048576] b\nuint8 c\n===\nMSG: p/Empty\n";
+        let schema = Schema::parse("p/A", text).unwrap();
+        let node = ros1(&schema, &[4, 0, 0, 0, 9]).unwrap();
+        assert_eq!((node.at("c"), node.names(10)), (Some(Leaf::Number(9.0)), vec!["c".to_string()]));
+        let bytes = Schema::parse("p/A", "uint8[] a").unwrap();
+        let mut data = u32::try_from(limits::MESSAGE_VALUES).unwrap().to_le_bytes().to_vec();
+        data.resize(4 + limits::MESSAGE_VALUES, 1);
+        assert!(ros1(&bytes, &data).is_err());
+        data[..4].copy_from_slice(&1000_u32.to_le_bytes());
+        assert!(ros1(&bytes, &data[..1004]).is_ok());
     }
 }

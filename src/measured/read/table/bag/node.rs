@@ -3,7 +3,11 @@
 //! An element of a list is named by the list of names beside it, as `velocity` of sensor_msgs/JointState by `name`; where there
 //! is none of the same length, by its number from 0.
 
+use std::borrow::Cow;
+
 use serde_json::Value;
+
+use crate::input::limits;
 
 /// A part of a message.
 #[derive(Debug, Clone, PartialEq)]
@@ -64,7 +68,7 @@ impl Node {
         }
     }
 
-    /// The paths of its values, at most so many.
+    /// The paths of its values, at most so many, without those that are too long to be read.
     pub fn names(&self, most: usize) -> Vec<String> {
         let mut found = Vec::new();
         self.list("", &[], most, &mut found);
@@ -72,7 +76,10 @@ impl Node {
     }
 
     fn list(&self, path: &str, names: &[&str], most: usize, found: &mut Vec<String>) {
-        let below = |part: &str| if path.is_empty() { part.to_string() } else { format!("{path}/{part}") };
+        let below = |part: &str| {
+            let joined = || if path.is_empty() { part.to_string() } else { format!("{path}/{part}") };
+            (path.len() + part.len() < limits::NAME_BYTES).then(joined)
+        };
         if found.len() >= most {
             return;
         }
@@ -82,15 +89,22 @@ impl Node {
                 let own = own_names(fields);
                 let names = own.as_deref().unwrap_or(names);
                 for (field, node) in fields {
+                    if found.len() >= most {
+                        return;
+                    }
                     if !holds_names(field) || !matches!(node, Node::List(_)) {
-                        node.list(&below(field), names, most, found);
+                        below(field).into_iter().for_each(|path| node.list(&path, names, most, found));
                     }
                 }
             }
             Node::List(elements) => {
                 for (k, node) in elements.iter().enumerate() {
-                    let part = if names.len() == elements.len() { names[k].to_string() } else { k.to_string() };
-                    node.list(&below(&part), &[], most, found);
+                    if found.len() >= most {
+                        return;
+                    }
+                    let part =
+                        if names.len() == elements.len() { Cow::Borrowed(names[k]) } else { Cow::Owned(k.to_string()) };
+                    below(&part).into_iter().for_each(|path| node.list(&path, &[], most, found));
                 }
             }
         }

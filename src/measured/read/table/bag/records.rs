@@ -3,10 +3,11 @@
 //!
 //! The index at the end is not used: a log is read as a whole, once.
 
+use std::borrow::Cow;
 use std::fs::File;
 use std::io::{self, BufReader, Read};
 
-use crate::input::Problem;
+use crate::input::{Problem, limits};
 
 /// At most this much of a record, and of what a chunk unpacks to \[bytes\].
 const MAX_RECORD: u64 = 1 << 30;
@@ -59,12 +60,14 @@ pub fn each(file: &File, take: &mut dyn FnMut(Event) -> bool) -> Result<(), Prob
     let mut magic = [0; MAGIC.len()];
     from.read_exact(&mut magic).map_err(|e| cut(&e))?;
     let mut content = Vec::new();
+    // What chunks may still unpack to.
+    let mut room = limits::unpacked(file.metadata().map_or(0, |m| m.len()));
     loop {
         let opcode = record(&mut from, &mut content)?;
         match opcode {
             opcode::FOOTER => break,
             opcode::CHUNK => {
-                if !chunk(&content, take)? {
+                if !chunk(&content, &mut room, take)? {
                     return Ok(());
                 }
             }
@@ -173,7 +176,7 @@ fn hand(opcode: u8, content: &[u8], take: &mut dyn FnMut(Event) -> bool) -> Resu
 }
 
 /// The records of a chunk.
-fn chunk(content: &[u8], take: &mut dyn FnMut(Event) -> bool) -> Result<bool, Problem> {
+fn chunk(content: &[u8], room: &mut u64, take: &mut dyn FnMut(Event) -> bool) -> Result<bool, Problem> {
     let mut fields = Fields(content);
     let (_start, _end) = (fields.number(8)?, fields.number(8)?);
     let (size, sum) = (fields.number(8)?, fields.number(4)?);
@@ -184,9 +187,12 @@ fn chunk(content: &[u8], take: &mut dyn FnMut(Event) -> bool) -> Result<bool, Pr
         return Err(damaged(format!("a chunk has {size} bytes, more than can be taken: at most {MAX_RECORD}")));
     }
     let unpacked = match compression {
-        "" => packed.to_vec(),
-        "lz4" => all(lz4_flex::frame::FrameDecoder::new(packed), size)?,
-        "zstd" => all(ruzstd::decoding::StreamingDecoder::new(packed).map_err(damaged)?, size)?,
+        "" => Cow::Borrowed(packed),
+        "lz4" | "zstd" if size > *room => {
+            return Err(damaged("its chunks unpack to many times its own size, more than is read"));
+        }
+        "lz4" => all(lz4_flex::frame::FrameDecoder::new(packed), size, room)?,
+        "zstd" => all(ruzstd::decoding::StreamingDecoder::new(packed).map_err(damaged)?, size, room)?,
         other => {
             let problem = Problem::whole(format!("its chunks are compressed as {other:?}, which is not read"));
             return Err(problem.help("mcap decompress LOG.mcap -o plain.mcap"));
@@ -201,13 +207,13 @@ fn chunk(content: &[u8], take: &mut dyn FnMut(Event) -> bool) -> Result<bool, Pr
     if sum != 0 && u64::from(found.sum()) != sum {
         return Err(damaged("the sum of a chunk is not that of its content"));
     }
-    let (mut rest, mut content) = (&unpacked[..], Vec::new());
-    while !rest.is_empty() {
-        let opcode = record(&mut rest, &mut content)?;
+    let mut rest = Fields(&unpacked);
+    while !rest.0.is_empty() {
+        let (opcode, length) = (rest.bytes(1)?[0], rest.number(8)?);
         if opcode == opcode::CHUNK {
             return Err(damaged("a chunk has a chunk in it"));
         }
-        if !hand(opcode, &content, take)? {
+        if !hand(opcode, rest.bytes(length)?, take)? {
             return Ok(false);
         }
     }
@@ -215,8 +221,35 @@ fn chunk(content: &[u8], take: &mut dyn FnMut(Event) -> bool) -> Result<bool, Pr
 }
 
 /// All that a decoder gives, and a byte more than there should be where it has that.
-fn all(decoder: impl Read, size: u64) -> Result<Vec<u8>, Problem> {
+fn all<'a>(decoder: impl Read, size: u64, room: &mut u64) -> Result<Cow<'a, [u8]>, Problem> {
+    *room = room.saturating_sub(size);
     let mut bytes = Vec::new();
     decoder.take(size + 1).read_to_end(&mut bytes).map_err(|e| damaged(format!("a chunk cannot be unpacked: {e}")))?;
-    Ok(bytes)
+    Ok(Cow::Owned(bytes))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ruzstd::encoding::{CompressionLevel, compress_to_vec};
+
+    #[test]
+    fn chunks_unpack_to_no_more_than_the_room_that_is_left() {
+        let records = [&[0x0f][..], &991_u64.to_le_bytes(), &[0; 991]].concat();
+        let packed = compress_to_vec(&records[..], CompressionLevel::Fastest);
+        let of = |size: u64, name: &str, packed: &[u8]| {
+            let name = [&4_u32.to_le_bytes()[..], name.as_bytes()].concat();
+            let length = (packed.len() as u64).to_le_bytes();
+            [&[0; 16][..], &size.to_le_bytes(), &[0; 4], &name, &length, packed].concat()
+        };
+        let content = of(1000, "zstd", &packed);
+        let mut room = 2500;
+        for left in [1500, 500] {
+            assert!(matches!(chunk(&content, &mut room, &mut |_| true), Ok(true)));
+            assert_eq!(room, left);
+        }
+        assert!(chunk(&content, &mut room, &mut |_| true).is_err());
+        // What is said to be small and is not.
+        assert!(chunk(&of(400, "zstd", &packed), &mut room, &mut |_| true).is_err());
+    }
 }
