@@ -6,6 +6,9 @@ use std::collections::HashMap;
 use std::ops::Range as Span;
 use std::sync::Arc;
 
+mod cells;
+
+use self::cells::Cells;
 use super::{Problem, Range, Source, Stated, Words, limits};
 use crate::units::{self, Kind, Unit};
 
@@ -68,7 +71,7 @@ pub struct Table {
     columns: Vec<Column>,
     // The columns of each name: more than one where each states something else.
     heads: HashMap<String, Vec<Head>>,
-    records: Vec<csv::StringRecord>,
+    records: Cells,
     starts: Vec<usize>,
     width: usize,
     header: usize,
@@ -112,19 +115,18 @@ impl Table {
             .comment(Some(b'#'))
             .trim(csv::Trim::All)
             .from_reader(source.text().as_bytes());
-        let (mut records, mut starts) = (Vec::new(), Vec::new());
+        if let Some(problem) = oversized(source.text()) {
+            problems.push(problem);
+            return None;
+        }
+        let (mut records, mut starts) = (Cells::default(), Vec::new());
         let mut record = csv::StringRecord::new();
         loop {
             match reader.read_record(&mut record) {
                 Ok(false) => break,
                 Ok(true) => {
                     starts.push(past_comments(source.text(), record.position().map_or(0, |p| p.byte() as usize)));
-                    records.push(record.clone());
-                    if records.len() > limits::TABLE_ROWS + 1 {
-                        let message = format!("the table has more than {} rows", limits::TABLE_ROWS);
-                        problems.push(Problem::whole(message).help("split the file, or leave rows out"));
-                        return None;
-                    }
+                    records.push(&record);
                 }
                 Err(error) => {
                     problems.push(Problem::whole(format!("not a CSV file: {error}")));
@@ -134,7 +136,7 @@ impl Table {
         }
         let mut table =
             Table { source: source.clone(), columns, heads: HashMap::new(), records, starts, width: 0, header: 0 };
-        if table.records.is_empty() {
+        if table.records.len() == 0 {
             let names: Vec<&str> = table.columns.iter().filter(|c| c.required).map(|c| c.name.as_str()).collect();
             problems.push(
                 Problem::at(0..0, "the file is empty: it has no header row", "expected a header row")
@@ -143,19 +145,19 @@ impl Table {
             return None;
         }
         let before = problems.len();
-        if let Some((message, help)) = other_separator(table.records[0].iter()) {
+        if let Some((message, help)) = other_separator(table.records.row(0)) {
             problems.push(Problem::at(table.record_span(0), message, "expected commas").help(help));
             return None;
         }
         table.read_header(aliases, problems);
-        let header = table.records.remove(0);
+        table.width = table.records.width(0);
+        table.records.remove_first();
         let start = table.starts.remove(0);
-        table.width = header.len();
         table.header = start;
         if problems.len() > before {
             return None;
         }
-        if table.records.is_empty() {
+        if table.is_empty() {
             problems.push(Problem::at(start..start, "the file has a header but no rows", "no row follows this header"));
         }
         table.remove_ragged_rows(problems);
@@ -166,13 +168,16 @@ impl Table {
     /// cannot be known.
     fn remove_ragged_rows(&mut self, problems: &mut Vec<Problem>) {
         let width = self.width;
-        let ragged = self.records.iter().filter(|r| r.len() != width).count();
-        let one_cause = ragged > FEW_RAGGED && self.records.iter().all(|r| r.len() >= width);
+        let ragged = self.records.widths().filter(|w| *w != width).count();
+        if ragged == 0 {
+            return;
+        }
+        let one_cause = ragged > FEW_RAGGED && self.records.widths().all(|w| w >= width);
         if one_cause {
-            let first = self.records.iter().position(|r| r.len() != width).unwrap_or(0);
+            let first = self.records.widths().position(|w| w != width).unwrap_or(0);
             let message = format!(
                 "this row has {} cells, the header has {width}; {ragged} rows of {} have too many",
-                self.records[first].len(),
+                self.records.width(first),
                 self.records.len()
             );
             problems.push(
@@ -180,25 +185,22 @@ impl Table {
                     .help("numbers have a decimal point, not a comma; text with commas needs double quotes"),
             );
         }
-        for (record, start) in self.records.iter().zip(&self.starts).filter(|_| !one_cause) {
-            if record.len() != width {
-                let message = format!("this row has {} cells, the header has {width}", record.len());
-                problems.push(
-                    Problem::at(line_span(self.source.text(), *start), message, "the cells do not match the header")
-                        .help("a comma too many or too few? Text with commas needs double quotes"),
-                );
-            }
+        let rows = self.records.widths().zip(&self.starts).filter(|(found, _)| !one_cause && *found != width);
+        for (found, start) in rows.take(limits::PROBLEMS) {
+            let message = format!("this row has {found} cells, the header has {width}");
+            problems.push(
+                Problem::at(line_span(self.source.text(), *start), message, "the cells do not match the header")
+                    .help("a comma too many or too few? Text with commas needs double quotes"),
+            );
         }
-        let good: Vec<bool> = self.records.iter().map(|r| r.len() == width).collect();
-        let mut keep = good.iter();
-        self.starts.retain(|_| *keep.next().unwrap_or(&false));
-        self.records.retain(|r| r.len() == width);
+        let mut keep = self.records.widths().map(|w| w == width).collect::<Vec<bool>>().into_iter();
+        self.starts.retain(|_| keep.next() == Some(true));
+        self.records.keep_of_width(width);
     }
 
     fn read_header(&mut self, aliases: &[(&str, &str)], problems: &mut Vec<Problem>) {
-        let header = self.records[0].clone();
         let mut written: HashMap<&str, &str> = HashMap::new();
-        for (position, cell) in header.iter().enumerate() {
+        for (position, cell) in self.records.row(0).enumerate() {
             let span = self.cell_span_in(0, position);
             let (headed, unit) = split_unit(unguarded(cell));
             let name = aliases.iter().find(|(alias, _)| *alias == headed).map_or(headed, |(_, column)| *column);
@@ -267,7 +269,7 @@ impl Table {
 
     /// Whether there is no row.
     pub fn is_empty(&self) -> bool {
-        self.records.is_empty()
+        self.len() == 0
     }
 
     /// Whether the file has the column.
@@ -279,20 +281,20 @@ impl Table {
     /// file does not have the column.
     pub fn text(&self, row: usize, name: &str) -> Option<&str> {
         let head = self.filled(row, name).next()?;
-        self.records[row].get(head.column).map(unguarded).filter(|t| !t.is_empty())
+        self.records.get(row, head.column).map(unguarded).filter(|t| !t.is_empty())
     }
 
     /// The columns of a name that a row fills.
     fn filled(&self, row: usize, name: &str) -> impl Iterator<Item = &Head> {
         let heads = self.heads.get(name).map_or(&[][..], Vec::as_slice);
-        heads.iter().filter(move |head| self.records[row].get(head.column).is_some_and(|t| !t.is_empty()))
+        heads.iter().filter(move |head| self.records.get(row, head.column).is_some_and(|t| !t.is_empty()))
     }
 
     /// The number in a cell, in SI; `None` where it is blank. What is not a number of the column's
     /// kind and range is noted.
     pub fn number(&self, row: usize, name: &str, problems: &mut Vec<Problem>) -> Option<Number> {
         let head = self.only_filled(row, name, problems)?;
-        let text = self.records[row].get(head.column).filter(|t| !t.is_empty())?;
+        let text = self.records.get(row, head.column).filter(|t| !t.is_empty())?;
         let column = &self.columns[head.known];
         let (range, expected) = match column.content {
             Content::Quantity(_, range) | Content::Stated(_, range, _) => (range, range.expected()),
@@ -473,6 +475,23 @@ impl Table {
     fn record_span(&self, record: usize) -> Span<usize> {
         line_span(self.source.text(), self.starts[record])
     }
+}
+
+/// Rows beyond what is held, found before any of them is. A record ends with its line, or goes over several.
+fn oversized(text: &str) -> Option<Problem> {
+    let ends = || text.bytes().filter(|b| matches!(b, b'\n' | b'\r'));
+    if ends().nth(limits::TABLE_ROWS).is_none() {
+        return limits::bytes(text.len() as u64, limits::TABLE_BYTES);
+    }
+    let mut reader = csv::ReaderBuilder::new().flexible(true).comment(Some(b'#')).from_reader(text.as_bytes());
+    let (mut record, mut rows) = (csv::ByteRecord::new(), 0);
+    while rows <= limits::TABLE_ROWS && reader.read_byte_record(&mut record).unwrap_or(false) {
+        rows += 1;
+    }
+    (rows > limits::TABLE_ROWS).then(|| {
+        let message = format!("the table has more than {} rows", limits::TABLE_ROWS);
+        Problem::whole(message).help("split the file, or leave rows out")
+    })
 }
 
 /// The csv reader's position is that before comments and blank lines: the record starts after them.

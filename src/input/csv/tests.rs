@@ -67,3 +67,15 @@ fn pairs_in_toml() {
     assert_eq!(wrong[1], ("`overload` has no unit".into(), "18".into()));
     assert_eq!(wrong[2], ("`overload` is out of range".into(), "\"-1 s\"".into()));
 }
+
+#[test]
+fn rows_are_counted_before_they_are_held() {
+    let text = |rows: usize, row: &str| format!("a\n{}", row.repeat(rows));
+    assert!(oversized(&text(limits::TABLE_ROWS, "1\n")).is_none());
+    let problem = oversized(&text(limits::TABLE_ROWS + 1, "1\n")).unwrap();
+    assert_eq!(problem.span, None);
+    assert!(oversized(&text(limits::TABLE_ROWS + 1, "1\r\n")).is_some());
+    // Blank lines and comments are no rows.
+    assert!(oversized(&text(limits::TABLE_ROWS + 1, "\n")).is_none());
+    assert!(oversized(&text(limits::TABLE_ROWS + 1, "#\n")).is_none());
+}
