@@ -29,6 +29,9 @@ use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, UnitVector3, Ve
 use crate::input::kind::{self, FileKind};
 use crate::input::{InputError, Problem, Source};
 
+#[cfg(feature = "report")]
+pub(crate) use xml::document;
+
 /// A tree of rigid bodies on a base that does not move.
 #[derive(Debug, Clone)]
 pub struct Mechanism {

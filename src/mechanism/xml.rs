@@ -12,6 +12,7 @@ use roxmltree::{Attribute, Document, Error, Node, ParsingOptions};
 use super::Mechanism;
 use crate::input::{InputError, Problem, Range, Source, limits};
 use crate::units;
+use crate::words::shorten;
 
 /// An element of a document that outlives the reader.
 pub(super) type El<'a> = Node<'a, 'a>;
@@ -53,11 +54,9 @@ impl Sheet {
         }
         let mut taken = None;
         if sheet.problems.borrow().is_empty() {
-            let options =
-                ParsingOptions { allow_dtd: false, nodes_limit: limits::ELEMENTS, ..ParsingOptions::default() };
-            match Document::parse_with_options(text, options) {
+            match document(text) {
                 Ok(document) => taken = read(&sheet, document.root_element()),
-                Err(error) => sheet.note(not_xml(text, &error)),
+                Err(problem) => sheet.note(problem),
             }
         }
         InputError::unless_empty(source, sheet.problems.into_inner())?;
@@ -69,7 +68,10 @@ impl Sheet {
     }
 
     pub fn note(&self, problem: Problem) {
-        self.problems.borrow_mut().push(problem);
+        let mut problems = self.problems.borrow_mut();
+        if problems.len() < limits::PROBLEMS {
+            problems.push(problem);
+        }
     }
 
     pub fn has_problems(&self) -> bool {
@@ -78,7 +80,7 @@ impl Sheet {
 
     /// Counts an element that is left aside although nobody knows what it is for.
     pub fn skip(&self, node: El) {
-        *self.skipped.borrow_mut().entry(node.tag_name().name().chars().take(60).collect()).or_default() += 1;
+        *self.skipped.borrow_mut().entry(tag(node)).or_default() += 1;
     }
 
     /// Notes something that would change the motion and is not modelled.
@@ -90,8 +92,8 @@ impl Sheet {
     pub fn only(&self, node: El, known: &[&str]) {
         for attribute in node.attributes().filter(|a| a.namespace().is_none()) {
             if !known.contains(&attribute.name()) {
-                let name: String = attribute.name().chars().take(60).collect();
-                let message = format!("unknown attribute `{name}` of `{}`", node.tag_name().name());
+                let name = shorten(attribute.name());
+                let message = format!("unknown attribute `{name}` of `{}`", tag(node));
                 let place = attribute.range_qname();
                 self.note(Problem::at(place, message, "not known here").suggest(&name, known.iter().copied()));
             }
@@ -100,8 +102,8 @@ impl Sheet {
 
     /// Notes an element that is not known here, with the nearest that is.
     pub fn unknown(&self, node: El, known: &[&str]) {
-        let name: String = node.tag_name().name().chars().take(60).collect();
-        let inside = node.parent_element().map_or(String::new(), |p| format!(" in `{}`", p.tag_name().name()));
+        let name = tag(node);
+        let inside = node.parent_element().map_or(String::new(), |parent| format!(" in `{}`", tag(parent)));
         self.note(
             Problem::at(span(node), format!("unknown element `{name}`{inside}"), "not known here")
                 .suggest(&name, known.iter().copied()),
@@ -112,7 +114,7 @@ impl Sheet {
     pub fn required<'a>(&self, node: El<'a>, name: &str) -> Option<&'a str> {
         let found = node.attribute(name).filter(|t| !t.trim().is_empty());
         if found.is_none() {
-            let message = format!("`{}` has no `{name}`", node.tag_name().name());
+            let message = format!("`{}` has no `{name}`", tag(node));
             self.note(Problem::at(span(node), message, format!("expected {name}=\"…\"")));
         }
         found
@@ -172,13 +174,78 @@ impl Sheet {
         direction
     }
 
-    /// Notes a name that stood before; names are how a trajectory finds its joints.
+    /// Notes a name that stood before, or that is too long; names are how a trajectory finds its joints.
     pub fn unique(&self, node: El, kind: &str, name: &str, names: &mut std::collections::HashSet<String>) {
-        if !names.insert(name.to_string()) {
-            let place = node.attribute_node("name").map_or_else(|| span(node), |a| a.range_value());
-            self.note(Problem::at(place, format!("two {kind} are called `{name}`"), "second time"));
+        let place = || node.attribute_node("name").map_or_else(|| span(node), |a| a.range_value());
+        if name.chars().nth(limits::NAME_CHARACTERS).is_some() {
+            let message = format!("a name of {kind} is too long: `{}`", shorten(name));
+            let label = format!("expected at most {} characters", limits::NAME_CHARACTERS);
+            self.note(Problem::at(place(), message, label));
+        } else if !names.insert(name.to_string()) {
+            self.note(Problem::at(place(), format!("two {kind} are called `{name}`"), "second time"));
         }
     }
+}
+
+/// Parse a description of bounded width and depth: the parser compares the attributes of an element pairwise.
+///
+/// # Errors
+/// It is not XML, or an element has too many attributes or stands too deep.
+pub(crate) fn document(text: &str) -> Result<Document<'_>, Problem> {
+    if let Some(problem) = oversized(text) {
+        return Err(problem);
+    }
+    let options = ParsingOptions { allow_dtd: false, nodes_limit: limits::ELEMENTS, ..ParsingOptions::default() };
+    Document::parse_with_options(text, options).map_err(|error| not_xml(text, &error))
+}
+
+/// An element with too many attributes or too deep inside others, found without a parser. Text that is no XML is left
+/// to the parser.
+fn oversized(text: &str) -> Option<Problem> {
+    let (mut at, mut depth) = (0, 0_usize);
+    while let Some(start) = text[at..].find('<').map(|found| at + found) {
+        let rest = &text[start..];
+        let skipped = [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>"), ("<!", ">")];
+        if let Some((begin, end)) = skipped.iter().find(|(begin, _)| rest.starts_with(begin)) {
+            at = start + begin.len() + rest[begin.len()..].find(end)? + end.len();
+            continue;
+        }
+        let (mut quote, mut attributes, mut end) = (None, 0, None);
+        for (k, byte) in rest.bytes().enumerate() {
+            match (byte, quote) {
+                (b'"' | b'\'', None) => quote = Some(byte),
+                (byte, Some(open)) if byte == open => quote = None,
+                (b'=', None) => attributes += 1,
+                (b'>', None) => {
+                    end = Some(k);
+                    break;
+                }
+                _ => {}
+            }
+        }
+        let end = end?;
+        depth = match rest.as_bytes() {
+            [_, b'/', ..] => depth.saturating_sub(1),
+            bytes if bytes[end - 1] == b'/' => depth,
+            _ => depth + 1,
+        };
+        let what = |what, found, most| Some((limits::too_many(what, found, most), "this element"));
+        let wrong = match () {
+            () if attributes > limits::ATTRIBUTES => what("attributes of an element", attributes, limits::ATTRIBUTES),
+            () if depth > limits::DEPTH => what("elements inside one another", depth, limits::DEPTH),
+            () => None,
+        };
+        if let Some((message, label)) = wrong {
+            return Some(Problem::at(start..start + 1, message, label));
+        }
+        at = start + end + 1;
+    }
+    None
+}
+
+/// The name of an element, for messages.
+fn tag(node: El) -> String {
+    shorten(node.tag_name().name())
 }
 
 /// The opening of an element, without its attributes.
@@ -206,4 +273,54 @@ fn not_xml(text: &str, error: &Error) -> Problem {
     }
     let end = at + text[at..].chars().next().filter(|c| *c != '\n').map_or(0, char::len_utf8);
     Problem::at(at..end, format!("not an XML file: {message}"), "here")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wide_and_deep_elements_are_refused_before_they_are_parsed() {
+        let wide = |count: usize| {
+            let attributes: String = (0..count).map(|k| format!(" a{k}='>='")).collect();
+            format!("<?xml version='1.0'?><!-- <a = > --><r><![CDATA[<b =]]><e{attributes}/></r>")
+        };
+        assert!(document(&wide(limits::ATTRIBUTES)).is_ok());
+        let text = wide(limits::ATTRIBUTES + 1);
+        let problem = document(&text).unwrap_err();
+        assert_eq!(problem.span.unwrap().start, text.find("<e").unwrap());
+        let deep = |depth: usize| "<e x='1'>".repeat(depth) + "<f/>" + &"</e>".repeat(depth);
+        assert!(document(&deep(limits::DEPTH)).is_ok());
+        let problem = document(&deep(limits::DEPTH + 1)).unwrap_err();
+        assert_eq!(problem.span.unwrap().start, limits::DEPTH * "<e x='1'>".len());
+        // What is no XML is left to the parser.
+        for text in ["", "<", "<a", "<a x='", "<!-- ", "</a>", "<a></b>", "<>", "<é='\"é>"] {
+            assert!(oversized(text).is_none() && document(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_name_that_is_too_long_is_marked() {
+        let robot = |name: &str| {
+            let link = |name: &str| {
+                format!(
+                    "<link name='{name}'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>"
+                )
+            };
+            format!(
+                "<robot name='r'>{}{}<joint name='{name}' type='revolute'><parent link='a'/><child link='b'/>\
+                 <axis xyz='0 0 1'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>",
+                link("a"),
+                link("b")
+            )
+        };
+        let read = |name: &str| Mechanism::read_source(&Arc::new(Source::new("r.urdf", robot(name))));
+        let most = "n".repeat(limits::NAME_CHARACTERS);
+        assert!(read(&most).is_ok());
+        let long = "n".repeat(1 << 20);
+        let error = read(&long).unwrap_err();
+        let at = robot(&long).find(&long).unwrap();
+        assert_eq!(error.problems[0].span, Some(at..at + long.len()));
+        assert!(error.to_string().len() < 10_000);
+    }
 }

@@ -3,10 +3,11 @@
 
 use std::ops::Range;
 
-use roxmltree::{Document, Node};
+use roxmltree::Node;
 
 use super::{Exported, MARK, Origin, Wishes, dcmotor, digits, escape, mjcf, sdf, urdf};
 use crate::catalog::matches_pattern;
+use crate::mechanism::document;
 use crate::words::nearest;
 
 /// A model's new text, and what should be known of it.
@@ -172,7 +173,7 @@ impl Form {
 /// # Errors
 /// In words: not XML, none of the formats, a joint that is not there, a joint meant by two designs.
 pub fn patch(text: &str, origin: &Origin, joints: &[Exported], wishes: &Wishes) -> Result<Patched, String> {
-    let document = Document::parse(text).map_err(|error| format!("not XML: {error}"))?;
+    let document = document(text).map_err(|problem| format!("not XML: {}", problem.message))?;
     let root = document.root_element();
     let form = Form::of(root)?;
     form.refuse(wishes)?;
