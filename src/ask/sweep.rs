@@ -6,10 +6,11 @@ use serde_json::Value;
 use super::rows::{Rows, wound};
 use super::{Answer, Failure, Ground, Watch, balanced, settled};
 use crate::actuator::metrics::METRICS;
+use crate::catalog::Catalog;
 use crate::design::answer::JointSweep;
 use crate::design::options::Options;
 use crate::design::sweep::sweep_with;
-use crate::input::InputFile;
+use crate::input::{InputFile, limits};
 use crate::report::html::Page;
 use crate::report::plot::{Figure, sweep as plot};
 use crate::report::sweep::{self as report, Order};
@@ -99,6 +100,7 @@ pub fn sweep(robot: Robot, rows: &Rows, asked: Asked, watch: impl FnOnce(usize) 
         let why = "`--gears-per-motor`: no joint of the requirement takes gears of the catalogue";
         return Err(Failure::Argument(why.into()));
     }
+    check_size(&robot, &catalog, asked.ratios)?;
     let watch = watch(robot.joints.len() * catalog.motors.len());
     let ground = Ground { robot, catalog, watch };
     let mut left_out = 0;
@@ -112,6 +114,22 @@ pub fn sweep(robot: Robot, rows: &Rows, asked: Asked, watch: impl FnOnce(usize) 
         Ok::<_, Failure>(sweeps)
     })?;
     Ok(Swept { cell, asked, left_out })
+}
+
+/// Refuse a sweep whose designs would not fit into memory; only a continuous ratio is swept as finely as is asked for.
+fn check_size(robot: &Robot, catalog: &Catalog, ratios: usize) -> Result<(), Failure> {
+    let motors = |joint: &Joint| catalog.motors.iter().filter(|m| !joint.motors.pass_over(m)).count();
+    let is_continuous = |joint: &&Joint| matches!(joint.ratio, RatioChoice::Continuous { .. });
+    let pairs: usize = robot.joints.iter().filter(is_continuous).map(motors).sum();
+    let designs = pairs.saturating_mul(ratios);
+    if designs <= limits::SWEPT_DESIGNS {
+        return Ok(());
+    }
+    let message = limits::too_many("designs of this sweep", designs, limits::SWEPT_DESIGNS);
+    Err(Failure::Argument(format!(
+        "`--ratios`: {message}; for these joints and motors at most {} ratios",
+        limits::SWEPT_DESIGNS / pairs
+    )))
 }
 
 impl Swept {

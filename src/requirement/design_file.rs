@@ -535,6 +535,7 @@ fn read_spring(table: &Section, joint: Option<&Joint>) -> Option<FixedSpring> {
         &units::ANGLE,
         Range::Any,
     );
+    let rest_angle = table.at_most("rest_angle", rest_angle, limits::REST_ANGLE, " rad");
     let spring = FixedSpring { stiffness: stiffness?, rest_angle: rest_angle? };
     if joint.is_some_and(|j| j.motion.position.is_none()) {
         let message = "a spring needs the position, but the joint's motion has none";

@@ -2,7 +2,7 @@
 
 use super::prices::{self, Money};
 use crate::catalog::LifeQuantile;
-use crate::input::{Problem, Range, Section, key};
+use crate::input::{Problem, Range, Section, key, limits};
 use crate::motion::Motion;
 use crate::transmission::{Passed, SpringAt};
 use crate::units;
@@ -232,6 +232,11 @@ pub(super) fn read_spring(section: Section) -> Option<Spring> {
         &units::ANGLE,
         Range::Any,
     );
+    let within = |[least, most]: [f64; 2]| {
+        section.at_most("rest_angle", Some(least), limits::REST_ANGLE, " rad")?;
+        Some([least, section.at_most("rest_angle", Some(most), limits::REST_ANGLE, " rad")?])
+    };
+    let rest_angle = rest_angle.and_then(within);
     let about = "on which side of the `transmission` it pulls, and whose angles and stiffness are meant";
     let at = section.choice(key("at", about).default("`joint`"), SpringAt::NAMES).unwrap_or_default();
     section.finish();
@@ -360,4 +365,30 @@ pub(super) fn read(section: Section, ambient: f64, money: &Money) -> Limits {
     }
     section.finish();
     limits
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::input::{Form, Source};
+
+    #[test]
+    fn a_rest_angle_beyond_some_turns_is_a_slip() {
+        let read = |least: &str, most: &str| {
+            let text = format!(
+                "spring = {{ stiffness = [\"0 N*m/rad\", \"50 N*m/rad\"], rest_angle = [\"{least}\", \"{most}\"] }}\n"
+            );
+            let source = Arc::new(Source::new("r.toml", text.clone()));
+            let read = Form::read(&source, |root| read_spring(root.section(key("spring", "a spring"))?));
+            read.map_err(|error| {
+                error.problems.into_iter().map(|p| text[p.span.unwrap()].to_string()).collect::<Vec<_>>()
+            })
+        };
+        assert_eq!(read("-100 rad", "100 rad").unwrap().rest_angle, [-100.0, 100.0]);
+        for (least, most) in [("1e17 deg", "1e17 deg"), ("-101 rad", "0 rad"), ("0 rad", "1e5 rad")] {
+            assert_eq!(read(least, most).unwrap_err(), [format!("[\"{least}\", \"{most}\"]")]);
+        }
+    }
 }

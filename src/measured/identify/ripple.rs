@@ -17,6 +17,7 @@ use super::regression::covariance;
 use super::travel;
 use super::work::{Fit, Kind, Term, Work};
 use crate::effects::{EFFECTS, Effect, Equation, FittedEffect, Shape, Variable};
+use crate::input::limits;
 use crate::measured::Bench;
 use crate::measured::answer::Target;
 use crate::measured::signals;
@@ -194,7 +195,7 @@ impl Geometry {
 
     /// The highest order of the motor.
     fn highest(&self) -> f64 {
-        HIGHEST.max(12.0 * self.poles).max(2.0 * self.ratio)
+        HIGHEST.max(12.0 * self.poles).max(2.0 * self.ratio).min(limits::ORDER)
     }
 
     /// Whether an order of the motor is one that a motor of these poles, or a gear, usually has.

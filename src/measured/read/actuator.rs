@@ -5,7 +5,7 @@ use toml::Spanned;
 use crate::catalog::convention::{Commutation, CurrentConvention};
 use crate::catalog::{Catalog, Gear, Motor};
 use crate::effects::{EFFECTS, Effect, FittedEffect};
-use crate::input::{Key, Problem, Range, Section, key};
+use crate::input::{Key, Problem, Range, Section, key, limits};
 use crate::measured::bench::Declared;
 use crate::requirement::{GearModel, backdrive_efficiency};
 use crate::units::{self, Kind};
@@ -185,6 +185,11 @@ fn read_rotary(section: &Section, catalog: Option<&Catalog>, purpose: Purpose) -
     let ratio = section
         .number(key("ratio", "of the gear; that of the `gear` of the catalogue, else required"), Range::Positive)
         .or(listed.map(|g| g.ratio));
+    let ratio = match ratio {
+        // It is the catalogue's where the bench has none.
+        Some(_) => section.at_most(if section.has("ratio") { "ratio" } else { "gear" }, ratio, limits::RATIO, ""),
+        None => None,
+    };
     if !section.has("ratio") && (!section.has("gear") || table.is_some()) {
         section.missing("ratio", "7.5  # 1 for direct drive");
     }

@@ -333,3 +333,11 @@ fn tables_fit_where_there_is_no_terminal() {
         }
     }
 }
+
+#[test]
+fn a_sweep_too_large_for_memory_is_refused_at_once() {
+    let output = gearwise(&["sweep", "requirements/quadruped_mini_cheetah.toml", "--ratios", "1000000"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(output.stdout.is_empty());
+    assert!(String::from_utf8_lossy(&output.stderr).contains("`--ratios`"));
+}

@@ -271,3 +271,34 @@ fn a_damaged_file_is_refused_or_read_as_it_was() {
         }
     }
 }
+
+#[test]
+fn a_ratio_that_no_gear_has_is_marked_in_the_bench() {
+    let log = write::npz(&owned(few()), false);
+    for (ratio, is_read) in [("1e4", true), ("10001", false), ("1e9", false)] {
+        let bench = BENCH.replace("ratio = 9", &format!("ratio = {ratio}"));
+        let column = bench.lines().next().unwrap().find(ratio).unwrap() + 1;
+        match outcome(&bench, "log.npz", &log) {
+            Ok(_) => assert!(is_read, "{ratio}"),
+            // The line with the catalogue stands before it.
+            Err(report) => assert!(!is_read && report.contains(&format!("bench.toml:2:{column}")), "{report}"),
+        }
+    }
+}
+
+#[test]
+fn texts_of_a_parquet_file_count_by_their_memory() {
+    // One text of 100 kB, which the file holds once, in each of 2000 rows.
+    let schema = "message log { required double t; required binary i (UTF8); required double w; required double tau; }";
+    let text = parquet::data_type::ByteArray::from("1".repeat(100_000).into_bytes());
+    let numbers: Vec<f64> = (0..2000).map(f64::from).collect();
+    let log = write::typed(schema, |at, column| {
+        match at {
+            1 => column.typed::<ByteArrayType>().write_batch(&vec![text.clone(); 2000], None, None),
+            _ => column.typed::<DoubleType>().write_batch(&numbers, None, None),
+        }
+        .unwrap();
+    });
+    assert!(log.len() < 1 << 20, "{}", log.len());
+    refused(BENCH, "log.parquet", &log, &["column `i`"]);
+}
