@@ -1,5 +1,7 @@
 //! The motors that are a free choice: without what is only sold inside a module, and each motor once.
 
+use std::collections::{HashMap, HashSet};
+
 use super::row::States;
 use super::{Catalog, FIELDS, Motor};
 
@@ -10,13 +12,15 @@ impl Catalog {
     pub fn free(self, also_inside: bool) -> Catalog {
         let is_inside = |m: &Motor| !also_inside && !m.about.only_inside.is_empty();
         // A row that is the same as one inside a module stays where that one leaves.
-        let ids: Vec<String> = self.motors.iter().filter(|m| !is_inside(m)).map(|m| m.id.clone()).collect();
+        let ids: HashSet<String> = self.motors.iter().filter(|m| !is_inside(m)).map(|m| m.id.clone()).collect();
         let is_twin = |m: &Motor| ids.contains(&m.about.same_as);
         let (aside, motors): (Vec<Motor>, Vec<Motor>) =
             self.motors.into_iter().partition(|m| is_twin(m) || is_inside(m));
+        let mut twins: HashMap<&str, Vec<&Motor>> = HashMap::new();
+        aside.iter().for_each(|twin| twins.entry(&twin.about.same_as).or_default().push(twin));
         let join = |motor: Motor| {
-            let id = motor.id.clone();
-            aside.iter().filter(|twin| twin.about.same_as == id).fold(motor, joined)
+            let own = twins.get(motor.id.as_str()).map_or(&[][..], Vec::as_slice);
+            own.iter().copied().fold(motor, joined)
         };
         let motors = motors.into_iter().map(join).collect();
         Catalog { motors, aside: [self.aside, aside].concat(), ..self }

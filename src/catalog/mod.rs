@@ -33,7 +33,7 @@ mod sheet;
 mod twins;
 mod wrong;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -52,7 +52,7 @@ pub use read::{VERSION, gear_columns, module_columns, motor_columns, read_gears,
 pub use row::Field;
 pub use sheet::{Conventions, FIELDS, OwnConventions, Printed, Sheet, SourceKind, across};
 
-use crate::input::{InputError, InputFile, Problem, Source, sha256};
+use crate::input::{InputError, InputFile, Problem, Source, limits, sha256};
 
 include!(concat!(env!("OUT_DIR"), "/builtin_catalogs.rs"));
 
@@ -305,38 +305,65 @@ pub fn user_catalog() -> PathBuf {
 
 /// Rows of a file that are said to be the same motor as one that is itself the same as another: neither would count.
 fn wrong_twins(source: &Arc<Source>, motors: &[Motor]) -> Option<InputError> {
-    let other = |motor: &Motor| motors.iter().find(|m| m.id == motor.about.same_as && !m.id.is_empty());
-    let wrong = motors.iter().filter(|m| other(m).is_some_and(|o| !o.about.same_as.is_empty()));
-    let problem = |motor: &Motor| {
+    let mut same_as: HashMap<&str, &str> = HashMap::new();
+    for motor in motors.iter().filter(|m| !m.id.is_empty()) {
+        same_as.entry(&motor.id).or_insert(&motor.about.same_as);
+    }
+    let is_wrong = |m: &&Motor| same_as.get(m.about.same_as.as_str()).is_some_and(|other| !other.is_empty());
+    let wrong: Vec<&Motor> = motors.iter().filter(is_wrong).take(limits::PROBLEMS).collect();
+    let places = places(source, wrong.iter().map(|m| m.id.as_str()));
+    let problem = |motor: &&Motor| {
         // Each is reported where its own row is.
-        let at = source.text().find(&format!("{},", motor.id))?;
+        let at = *places.get(motor.id.as_str())?;
         let message =
             format!("`{}` is `same_as` `{}`, which is itself `same_as` another row", motor.id, motor.about.same_as);
         let problem = Problem::at(at..at + motor.id.len(), message, "this row");
         Some(problem.help("name the one row that counts; that row has no `same_as`"))
     };
-    let problems: Vec<Problem> = wrong.filter_map(problem).collect();
+    let problems: Vec<Problem> = wrong.iter().filter_map(problem).collect();
     (!problems.is_empty()).then(|| InputError { source: source.clone(), problems })
 }
 
 /// What a module's ratio may differ from that of the gear that it names.
 const SAME_RATIO: f64 = 0.01;
 
+/// Where the cells stand that hold these ids, in one pass over the file: the first cell of a row before any other.
+fn places<'i>(source: &Source, ids: impl Iterator<Item = &'i str>) -> HashMap<&'i str, usize> {
+    let ids: HashSet<&str> = ids.collect();
+    let (mut first, mut others, mut at, mut is_first) = (HashMap::new(), HashMap::new(), 0, true);
+    if ids.is_empty() {
+        return first;
+    }
+    for cell in source.text().split_inclusive([',', '\n']) {
+        let id = cell.trim_end_matches(',').trim().trim_matches('"');
+        if let Some(id) = ids.get(id) {
+            let places = if is_first { &mut first } else { &mut others };
+            places.entry(*id).or_insert(at + cell.find(*id).unwrap_or(0));
+        }
+        is_first = cell.ends_with('\n');
+        at += cell.len();
+    }
+    others.extend(first);
+    others
+}
+
 /// Modules that name a motor or a gear that is none, or a gear of another ratio.
 fn wrong_insides(source: &Arc<Source>, catalog: &Catalog) -> Option<InputError> {
     let mut problems = Vec::new();
+    let places = places(source, catalog.modules.iter().map(|m| m.id.as_str()));
+    let motors: HashSet<&str> = catalog.motors.iter().map(|m| m.id.as_str()).collect();
+    let gears: HashMap<&str, &Gear> = catalog.gears.iter().rev().map(|g| (g.id.as_str(), g)).collect();
     for module in &catalog.modules {
         // Each is reported where its own row is.
-        let Some(at) = source.text().find(&format!("{},", module.id)) else { continue };
+        let Some(&at) = places.get(module.id.as_str()) else { continue };
         let mut wrong = |message: String, help: String| {
             problems.push(Problem::at(at..at + module.id.len(), message, "this row").help(help));
         };
         let help = "name a row of the same catalogue: with `--catalog builtin mine.csv` the shipped rows are there too";
-        if !module.motor.is_empty() && !catalog.motors.iter().any(|m| m.id == module.motor) {
+        if !module.motor.is_empty() && !motors.contains(module.motor.as_str()) {
             wrong(format!("`{}` names the motor `{}`, which is none", module.id, module.motor), help.into());
         }
-        let gear = catalog.gears.iter().find(|g| g.id == module.gear);
-        match gear {
+        match gears.get(module.gear.as_str()) {
             None if !module.gear.is_empty() => {
                 wrong(format!("`{}` names the gear `{}`, which is none", module.id, module.gear), help.into());
             }
@@ -364,4 +391,28 @@ fn catalog_files(folder: &Path) -> Vec<PathBuf> {
     files.extend(list(&folder.join(family::FOLDER), "toml"));
     files.sort();
     files
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_row_of_a_chain_is_reported_at_its_own_place() {
+        let head = "id,manufacturer,model,construction,same_as,terminals,current,resistance [ohm],torque_constant [N*m/A],\
+                    rotor_inertia [g*cm^2],mass [g],source,source_date,source_kind\n";
+        let row = |id: &str, same_as: &str| {
+            format!(
+                "{id},x,{id},frameless,{same_as},line_to_line,phase_amplitude,0.2,0.1,100,300,a,2026-01-01,secondary\n"
+            )
+        };
+        // An id that ends as another does, and one that is named before its own row.
+        let text = [head, &row("xm1", "m2"), &row("m2", "m1"), &row("m1", "m0"), &row("m0", "")].concat();
+        let errors = Catalog::from_sources(vec![Arc::new(Source::new("chain.csv", text.clone()))]).unwrap_err();
+        let mut marked: Vec<(usize, &str)> = Vec::new();
+        for span in errors.iter().flat_map(|e| &e.problems).filter_map(|p| p.span.clone()) {
+            marked.push((text[..span.start].matches('\n').count(), &text[span]));
+        }
+        assert_eq!(marked, [(1, "xm1"), (2, "m2")]);
+    }
 }

@@ -1,5 +1,7 @@
 //! Rows that look like one motor under two names.
 
+use std::collections::HashMap;
+
 use super::finding::Beside;
 use super::motor::Motor;
 use super::row::States;
@@ -30,8 +32,9 @@ pub fn twins(motors: &[Motor]) -> Vec<Beside> {
             explanation: "one motor: name the row that counts in `same_as`, so that it counts once in a choice; variants: say in `note` what differs",
         })
     };
+    let by_id: HashMap<&str, &Motor> = motors.iter().rev().map(|m| (m.id.as_str(), m)).collect();
     let wrong = rows.iter().filter_map(|(row, _)| {
-        let other = motors.iter().find(|m| !row.about.same_as.is_empty() && m.id == row.about.same_as)?;
+        let other = by_id.get(row.about.same_as.as_str()).filter(|_| !row.about.same_as.is_empty())?;
         Some(Beside {
             id: row.id.clone(),
             code: CODE,
