@@ -7,6 +7,9 @@ use crate::design::answer::Design;
 use crate::design::options::Stopped;
 use crate::requirement::{Joint, Robot};
 
+/// Steps of a search that nobody ends: at most some 30 seconds of one processor of 2020.
+const STEPS: u64 = 25_000_000;
+
 /// How a robot's choice is made.
 #[derive(Clone, Copy)]
 pub struct Options<'p> {
@@ -25,6 +28,8 @@ pub struct Options<'p> {
     /// When a search that has not ended gives what it has, e.g. after some time: asked for each combination, and once true it stays so.
     /// Without it a search ends after so many steps, and the answer is the same each time.
     pub enough: Option<&'p (dyn Fn() -> bool + Sync)>,
+    /// Steps of work after which the search for the best combination ends; those under other budgets together take a third of them.
+    pub steps: u64,
 }
 
 /// Why there is no choice.
@@ -52,6 +57,7 @@ impl Default for Options<'_> {
             searched: &|_, _| {},
             stop: &|| false,
             enough: None,
+            steps: STEPS,
         }
     }
 }

@@ -11,8 +11,9 @@ use super::convex::{least_over, lowest};
 use super::menu::{Build, Item, Menu, Needs, made, menu, pieces};
 use super::power::{self, Profile, Schedule};
 use super::search::{Combinations, Completed, Entry, Found, Rules, Table};
-use super::shared::{self, Known, Outcome, Part, Price};
+use super::shared::{self, Known, Outcome, Part, Price, Shares};
 use super::total::Total;
+use super::work::Work;
 use crate::actuator::limits::Remark;
 use crate::actuator::{Laurent, Load};
 use crate::catalog::Catalog;
@@ -37,6 +38,10 @@ const KNOWN_PRICES: usize = 2;
 /// Tables of prices that are kept, those with the best bounds.
 const TABLES: usize = 4;
 
+/// Steps of [`Work`] that a design of a joint takes under a load, and a bound of it at prices.
+const DESIGN: usize = 3000;
+const PRICED: usize = 300;
+
 /// Told at each branch of a search.
 type Searched<'a> = &'a (dyn Fn(usize, usize) + Sync);
 
@@ -52,6 +57,8 @@ pub(super) struct Context<'a> {
     /// When a search gives what it has.
     pub enough: Option<&'a (dyn Fn() -> bool + Sync)>,
     searched: Searched<'a>,
+    /// What searches did so far, and may do.
+    pub work: Work,
     /// Menus of the joints that carry nothing.
     pub certain: Vec<Option<Arc<Menu<'a>>>>,
     /// All ways to build each joint.
@@ -76,6 +83,8 @@ pub(super) struct Context<'a> {
     prices: Vec<Price>,
     /// What power costs by the last combination that was too much for the bus.
     pub too_much: Option<Price>,
+    /// The same, until it is made an excess of.
+    shown: Option<Price>,
     /// Least power that a combination which was too much for the bus could do with \[W\].
     pub least_power: f64,
 }
@@ -161,6 +170,7 @@ impl<'a> Context<'a> {
             most_bounded: None,
             prices: Vec::new(),
             too_much: None,
+            shown: None,
             least_power: f64::INFINITY,
             robot,
             catalog,
@@ -168,6 +178,7 @@ impl<'a> Context<'a> {
             stop,
             enough: options.enough,
             searched: options.searched,
+            work: Work::endless(),
             certain,
             total,
             power: budget,
@@ -178,7 +189,7 @@ impl<'a> Context<'a> {
 
     /// Whether a search is to end now.
     pub(super) fn ends(&self) -> bool {
-        self.stop.now() || self.enough.is_some_and(|enough| enough())
+        self.stop.now() || self.enough.map_or_else(|| self.work.left() == 0, |enough| enough())
     }
 
     /// So many of something, where nobody says when it is enough.
@@ -187,7 +198,7 @@ impl<'a> Context<'a> {
     }
 
     /// The limit on the power of all joints \[W\].
-    fn limit(&self) -> Option<f64> {
+    pub(super) fn limit(&self) -> Option<f64> {
         self.power.into_iter().chain(self.supply).reduce(f64::min)
     }
 
@@ -243,6 +254,7 @@ impl<'a> Context<'a> {
                 let site = Site::new(robot, &carrying.joint, &carrying.demand).stopping(stop);
                 made(site, catalog, needs, all[*way].build)
             };
+            self.work.count(new.len() * DESIGN);
             let made: Vec<_> = new.par_iter().map(of).collect();
             for (way, made) in new.iter().zip(made) {
                 self.unproved.extend(made.unproved.then_some(self.ways[joint][*way].build.motor));
@@ -360,15 +372,13 @@ impl<'a> Context<'a> {
         (limit, returned): (f64, Option<f64>),
         threshold: f64,
     ) -> Outcome {
-        let too_much = self.too_much.as_ref().filter(|_| self.supply.is_none());
-        let known = Known { prices: &self.prices, too_much };
+        let known = Known { prices: &self.prices, too_much: self.too_much.as_ref() };
         let outcome = self.with_parts(items, coordinates, |parts| {
-            shared::solve(parts, &self.schedule, (limit, returned), (threshold, known), &|| self.ends())
+            let shares = Shares { schedule: &self.schedule, limit, returned, work: &self.work };
+            shared::solve(parts, shares, (threshold, known), &|| self.ends())
         });
         if let Outcome::Solved(solved) = &outcome
             && !solved.price.rows.is_empty()
-            && returned.is_none()
-            && self.supply.is_none()
         {
             self.prices.insert(0, solved.price.clone());
             self.prices.truncate(KNOWN_PRICES);
@@ -392,11 +402,11 @@ impl<'a> Context<'a> {
     /// Tables of prices that go with the rules where no actuator loads another one: prices on mass and on power.
     pub(super) fn tables(&mut self, rules: Rules) -> Vec<Table> {
         if rules.lightest {
-            return vec![Table { per_mass: 0.0, costs: self.masses(), offset: 0.0 }];
+            return vec![Table { per_mass: 0.0, costs: self.masses(), offset: 0.0, is_excess: false }];
         }
-        let plain = Table { per_mass: 0.0, costs: self.own_costs(), offset: 0.0 };
+        let plain = Table { per_mass: 0.0, costs: self.own_costs(), offset: 0.0, is_excess: false };
         let mut tables = vec![plain.clone()];
-        if let (Some(limit), None) = (self.power, self.supply) {
+        if let Some(limit) = self.limit() {
             tables.extend(self.power_tables(&plain, limit));
         }
         let all: Vec<Vec<usize>> = self.ways.iter().map(|ways| (0..ways.len()).collect()).collect();
@@ -408,6 +418,7 @@ impl<'a> Context<'a> {
         if let Some(limit) = rules.mass.filter(|_| !rules.lightest) {
             let priced: Vec<Table> = tables
                 .iter()
+                .filter(|table| !table.is_excess)
                 .flat_map(|table| {
                     let price = self.price_of_mass(table, ways, limit);
                     [0.5, 2.0, 1.0].map(|factor| Table { per_mass: factor * price, ..table.clone() })
@@ -468,6 +479,7 @@ impl<'a> Context<'a> {
         }
         let nothing = vec![Vec::new(); menus.len()];
         let mut tables: Vec<(f64, Price, Table)> = Vec::new();
+        let mut excesses: Vec<Table> = Vec::new();
         let mut seen: Vec<Vec<usize>> = Vec::new();
         for _ in 0..PRICES {
             let best = tables.iter().max_by(|a, b| a.0.total_cmp(&b.0));
@@ -485,7 +497,11 @@ impl<'a> Context<'a> {
             // Without what comes back: that has no part in the bounds.
             let (price, factor) = match self.solve(&items, &nothing, (limit, None), f64::INFINITY) {
                 Outcome::Solved(solved) => (solved.price, 1.0),
-                Outcome::TooMuch { price, .. } => (price, 3.0 * worth / limit),
+                Outcome::TooMuch { price, .. } => {
+                    self.shown = Some(price.of_all()).filter(|price| !price.rows.is_empty());
+                    excesses.extend(self.excess());
+                    (price, 3.0 * worth / limit)
+                }
                 Outcome::ComesBack => break,
             };
             seen.push(chosen);
@@ -505,21 +521,30 @@ impl<'a> Context<'a> {
         }
         tables.sort_by(|a, b| a.0.total_cmp(&b.0));
         let few = tables.len().saturating_sub(TABLES);
-        tables.into_iter().skip(few).map(|(.., table)| table).collect()
+        excesses.into_iter().chain(tables.into_iter().skip(few).map(|(.., table)| table)).collect()
+    }
+
+    /// What each way to build each joint draws at least at the instants at which the last combination drew too much, less the budget.
+    fn excess(&mut self) -> Option<Table> {
+        let (price, limit) = self.shown.take().filter(|_| self.is_certain()).zip(self.limit())?;
+        let (weights, _) = self.powers(&price.shares());
+        let all = |joint: usize| (0..self.ways[joint].len()).collect::<Vec<usize>>();
+        let costs = weights.iter().enumerate().map(|(j, weights)| self.certain_power(j, &all(j), weights)).collect();
+        Some(Table { per_mass: 0.0, costs, offset: -limit, is_excess: true })
     }
 
     fn power_table(&self, price: &Price) -> Table {
         let (weights, worth) = self.powers(price);
         let all = |joint: usize| (0..self.ways[joint].len()).collect::<Vec<usize>>();
         let costs = weights.iter().enumerate().map(|(j, weights)| self.certain_costs(j, &all(j), weights)).collect();
-        Table { per_mass: 0.0, costs, offset: -worth }
+        Table { per_mass: 0.0, costs, offset: -worth, is_excess: false }
     }
 
     /// The weights of the power of each joint's samples at prices \[objective/W\], and what the budget is worth at them.
     pub(super) fn powers(&self, price: &Price) -> (Vec<Vec<(usize, f64)>>, f64) {
         let mut weights: Vec<Vec<(usize, f64)>> = vec![Vec::new(); self.robot.joints.len()];
         let mut worth = 0.0;
-        let limit = self.power.unwrap_or(f64::INFINITY);
+        let limit = self.limit().unwrap_or(f64::INFINITY);
         for (places, multiplier) in price.rows.iter().filter(|(places, _)| places.drive.is_none()) {
             worth += multiplier * limit;
             for (j, sample, weight) in self.schedule.parts(places) {
@@ -541,6 +566,9 @@ impl<'a> Context<'a> {
 
     /// Lower bounds of the power that some ways to build a joint draw which carries nothing, at prices.
     pub(super) fn certain_power(&self, joint: usize, ways: &[usize], weights: &[(usize, f64)]) -> Vec<f64> {
+        if weights.is_empty() {
+            return vec![0.0; ways.len()];
+        }
         self.priced_costs(joint, ways, weights, 0.0)
     }
 
@@ -551,6 +579,7 @@ impl<'a> Context<'a> {
             let item = self.ways[joint][*way].item.as_ref();
             item.map_or(f64::NEG_INFINITY, |item| priced(self.robot, self.catalog, of, &load, item, scale, weights))
         };
+        self.work.count(ways.len() * PRICED);
         ways.par_iter().map(one).collect()
     }
 
@@ -646,6 +675,7 @@ impl<'a> Context<'a> {
                     Outcome::TooMuch { price, .. } => {
                         // Rows of a share of one are made as dear as the robot.
                         let worth: f64 = items.iter().zip(&self.total.scale).map(|(i, s)| s * i.lower.abs()).sum();
+                        self.shown = Some(price.of_all()).filter(|price| !price.rows.is_empty());
                         let factor = 3.0 * worth / limit;
                         let dear = price.rows.into_iter().map(|(places, m)| (places, factor * m));
                         self.too_much = Some(Price { rows: dear.collect() });
@@ -676,6 +706,14 @@ impl<'a> Combinations<'a> for Among<'_, 'a> {
 
     fn searched(&self, branches: usize, solved: usize) {
         (self.context.searched)(branches, solved);
+    }
+
+    fn count(&self, steps: usize) {
+        self.context.work.count(steps);
+    }
+
+    fn excess(&mut self) -> Option<Table> {
+        self.context.excess()
     }
 
     fn complete(&mut self, entries: &[usize], threshold: f64) -> Completed<'a> {

@@ -13,6 +13,10 @@ use crate::actuator::Laurent;
 
 /// Rounds of new prices.
 const ROUNDS: usize = 40;
+/// Rows and columns of a linear program that take a step of [`Work`](super::work::Work) in each iteration, and steps that the best ratio of a
+/// joint takes with each row.
+const LINEAR: usize = 4;
+const LOWEST: usize = 50;
 /// Where value and bound are this near, they are one.
 const CLOSED: f64 = 1e-9;
 /// How far to both sides of a ratio the polynomials are taken that bound a joint there, where it may have a corner.
@@ -35,6 +39,8 @@ pub(super) trait Separable {
     fn limit(&self, row: &Self::Row) -> f64;
     /// The least of a polynomial and of those rows at their prices that have none, over a joint's ratios, from below.
     fn least(&self, joint: usize, polynomial: &Laurent, rows: &[(&Self::Row, f64)]) -> f64;
+    /// Counts steps of [`Work`](super::work::Work).
+    fn count(&self, steps: usize);
     /// Ratios near some that keep all rows, and the row that these break most, where they break one.
     fn kept(&self, ratios: &[f64]) -> (Vec<f64>, Option<Self::Row>);
 }
@@ -73,8 +79,10 @@ pub(super) fn solve<S: Separable>(of: &S, start: &[Vec<f64>], threshold: f64) ->
             include(column, *ratio);
         });
     }
+    let mut looked = Looked::default();
     for _ in 0..ROUNDS {
-        let Some((shares, prices)) = mixed(of, &columns, &rows) else { break };
+        looked.at(of, &columns, &rows);
+        let Some((shares, prices)) = mixed(of, &columns, &rows, &looked) else { break };
         let priced = rows.iter().zip(&prices).map(|(row, price)| (row, *price)).filter(|priced| priced.1 > 0.0);
         let priced: Vec<(&S::Row, f64)> = priced.collect();
         let (at, lower) = bounded(of, &priced);
@@ -112,6 +120,7 @@ pub(super) fn bounded<S: Separable>(of: &S, priced: &[(&S::Row, f64)]) -> (Vec<f
         let at = lowest(*range, |n| sum.cut(n), sum.is_bent().then_some(&beside), |n| sum.value(n));
         (at, sum.bound(at, *range))
     };
+    of.count(of.ratios().len() * (1 + priced.len()) * LOWEST);
     let (at, bounds): (Vec<f64>, Vec<f64>) = of.ratios().iter().enumerate().map(of_joint).unzip();
     let bound = bounds.iter().sum::<f64>();
     let worth = priced.iter().map(|(row, price)| price * of.limit(row)).sum::<f64>();
@@ -174,18 +183,50 @@ impl<S: Separable> Sum<'_, S> {
     }
 }
 
+/// Values and rows at the ratios that were looked at, each computed once.
+#[derive(Default)]
+struct Looked {
+    /// The value at each ratio of each joint.
+    values: Vec<Vec<f64>>,
+    /// For each row the same.
+    drawn: Vec<Vec<Vec<f64>>>,
+}
+
+impl Looked {
+    /// Takes in the ratios and rows that are new; they are only ever appended.
+    fn at<S: Separable>(&mut self, of: &S, columns: &[Vec<f64>], rows: &[S::Row]) {
+        let complete = |known: &mut Vec<Vec<f64>>, value: &dyn Fn(usize, f64) -> f64| {
+            known.resize(columns.len(), Vec::new());
+            for (j, (known, column)) in known.iter_mut().zip(columns).enumerate() {
+                let new = known.len();
+                known.extend(column[new..].iter().map(|ratio| value(j, *ratio)));
+            }
+        };
+        complete(&mut self.values, &|j, ratio| of.value(j, ratio));
+        self.drawn.resize(rows.len(), Vec::new());
+        for (known, row) in self.drawn.iter_mut().zip(rows) {
+            complete(known, &|j, ratio| of.drawn(row, j, ratio));
+        }
+    }
+}
+
 /// The cheapest mixture of known ratios that keeps the rows, and the price of each row.
-fn mixed<S: Separable>(of: &S, columns: &[Vec<f64>], rows: &[S::Row]) -> Option<(Vec<Vec<f64>>, Vec<f64>)> {
+fn mixed<S: Separable>(
+    of: &S,
+    columns: &[Vec<f64>],
+    rows: &[S::Row],
+    looked: &Looked,
+) -> Option<(Vec<Vec<f64>>, Vec<f64>)> {
     let all: Vec<(usize, f64)> =
         columns.iter().enumerate().flat_map(|(j, column)| column.iter().map(move |n| (j, *n))).collect();
     let (joints, width) = (columns.len(), all.len());
-    let costs: Vec<f64> = all.iter().map(|(j, n)| of.value(*j, *n)).collect();
+    let costs: Vec<f64> = looked.values.iter().flatten().copied().collect();
     let size = costs.iter().map(|c| c.abs()).fold(f64::MIN_POSITIVE, f64::max);
     let mut a: Vec<Vec<f64>> = (0..joints).map(|j| all.iter().map(|(k, _)| f64::from(*k == j)).collect()).collect();
     let mut b = vec![1.0; joints];
     let mut sizes = Vec::new();
-    for row in rows {
-        let drawn: Vec<f64> = all.iter().map(|(j, n)| of.drawn(row, *j, *n)).collect();
+    for (row, drawn) in rows.iter().zip(&looked.drawn) {
+        let drawn: Vec<f64> = drawn.iter().flatten().copied().collect();
         let size = drawn.iter().fold(of.limit(row).abs().max(f64::MIN_POSITIVE), |most, drawn| most.max(drawn.abs()));
         a.push(drawn.iter().map(|drawn| drawn / size).collect());
         b.push(of.limit(row) / size);
@@ -213,6 +254,7 @@ fn mixed<S: Separable>(of: &S, columns: &[Vec<f64>], rows: &[S::Row]) -> Option<
         DefaultSolver::new(&CscMatrix::zeros((width, width)), &q, &CscMatrix::from(&a), &b, &cones, settings).ok()?;
     solver.solve();
     let solution = &solver.solution;
+    of.count(solution.iterations as usize * (b.len() + width) / LINEAR);
     let usable = matches!(
         solution.status,
         SolverStatus::Solved | SolverStatus::AlmostSolved | SolverStatus::InsufficientProgress
@@ -285,6 +327,8 @@ mod tests {
         fn least(&self, joint: usize, polynomial: &Laurent, _: &[(&usize, f64)]) -> f64 {
             least_over(polynomial, self.ratios()[joint])
         }
+
+        fn count(&self, _: usize) {}
 
         fn kept(&self, ratios: &[f64]) -> (Vec<f64>, Option<usize>) {
             if self.drawn_in_all(ratios) <= self.limit * (1.0 + 1e-12) {

@@ -19,6 +19,7 @@ mod search;
 mod shared;
 mod tangent;
 mod total;
+mod work;
 
 use std::collections::BTreeSet;
 
@@ -56,7 +57,9 @@ pub fn choose<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options<'a>) 
         .filter(|(_, menu)| menu.as_ref().is_some_and(|m| m.items.is_empty()))
         .map(|(joint, _)| joint.name.clone())
         .collect();
+    context.work.allow(options.steps);
     let answer = if empty.is_empty() { solve(&mut context, rules) } else { Answer::nothing() };
+    context.work.allow(options.steps / 3);
     let mut combinations: Vec<Combination> = answer.found.iter().map(|f| context.combination(f)).collect();
     if let (Some(first), Some(found)) = (combinations.first_mut(), answer.found.first())
         && !context.shares_power()
@@ -120,7 +123,10 @@ fn solve<'a>(context: &mut Context<'a>, rules: Rules) -> Answer<'a> {
     let Some(most) = context.returned.filter(|_| !rules.lightest) else { return search_all(context, rules) };
     // Without the limit on what comes back the search is short; what keeps it all the same is the best with it.
     context.returned = None;
+    let left = context.work.left();
+    context.work.allow(left / 2);
     let free = search_all(context, rules);
+    context.work.allow(left / 2 + context.work.left());
     let keeps = |found: &&Found<'a>| context.combination(found).most_returned <= most;
     let kept: Vec<Found> = free.found.iter().filter(keeps).cloned().collect();
     // Behind one that does not keep it others may come next.

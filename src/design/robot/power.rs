@@ -314,18 +314,18 @@ impl Profile {
     }
 
     /// The same where what it gives back is not counted on.
-    pub(super) fn taken(&self, sample: usize, ratio: f64) -> Laurent {
+    pub(super) fn taken(&self, sample: usize, ratio: f64) -> (f64, Laurent) {
         let (power, polynomial) = self.at(sample, ratio);
-        if power > 0.0 { polynomial } else { Laurent::default() }
+        if power > 0.0 { (power, polynomial) } else { (0.0, Laurent::default()) }
     }
 
-    /// Power that its drive asks for at a sample beyond what there is \[W\], as if it were alone, as a polynomial that touches it at this
-    /// ratio; nothing where the supply is stiff.
-    pub(super) fn beyond(&self, sample: usize, ratio: f64) -> Option<Laurent> {
+    /// Power that its drive asks for at a sample beyond what there is \[W\], as if it were alone, and the polynomial that touches it at
+    /// this ratio and is nowhere above it; nothing where the supply is stiff.
+    pub(super) fn beyond(&self, sample: usize, ratio: f64) -> Option<(f64, Laurent)> {
         let (supply, shared) = self.supply?;
         let of_point =
             |point: &WavePoint, end: &Actuator| supply.beyond(end, (point.flow, &point.features), ratio, shared);
-        self.largest(sample, of_point).map(|(_, beyond)| beyond)
+        self.largest(sample, of_point)
     }
 
     /// What reaches the bus of power that comes back at the terminals, and what is drawn for power that goes there.
@@ -383,11 +383,6 @@ impl Profile {
     /// What reaches the bus at a sample at least, at ratios between two \[W\].
     pub(super) fn least_returned(&self, sample: usize, ratios: (f64, f64)) -> f64 {
         self.reaching(self.back_between(sample, ratios, false))
-    }
-
-    /// Whether the supply gives its drive what the others leave.
-    pub(super) fn sags(&self) -> bool {
-        self.supply.is_some()
     }
 
     /// What it draws and asks for at every sample; what it gives back only where that is asked.

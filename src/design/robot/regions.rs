@@ -13,6 +13,7 @@ use super::carry;
 use super::context::{Among, Context};
 use super::menu::{Item, pieces};
 use super::search::{self, Answer, Found, Rules, Table};
+use super::shared::Price;
 use super::tangent::{Directions, Over, Tangent};
 use crate::design::mount::{Mount, Site};
 use crate::requirement::{Joint, Objective, Quantity};
@@ -25,6 +26,8 @@ const SOLVED: (usize, usize) = (24, 400);
 const SOLVED_SHARED: usize = 60;
 /// Bounds of ways to build a joint that are made at most.
 const BOUNDED: usize = 100_000;
+/// Steps of [`Work`](super::work::Work) that a bound of a way to build a joint takes.
+const BOUND: usize = 300;
 /// How often a range of ratios is divided at most, to see which ways are worth more, and for those.
 const DIVISIONS: (usize, usize) = (6, 200);
 /// What is nearer than this to the best is not told from it.
@@ -269,7 +272,8 @@ fn search<'a>(
     most: usize,
 ) -> (bool, f64) {
     let entries = context.entries(&region.ways);
-    let tables = context.with_prices_of_mass(region.tables.clone(), &region.ways, rules);
+    let mut tables = context.with_prices_of_mass(region.tables.clone(), &region.ways, rules);
+    tables.extend(region.too_much.clone());
     let left = |costs: &Vec<f64>, ways: &Vec<usize>| ways.iter().map(|way| costs[*way]).collect();
     let compact = |table: &Table| Table {
         costs: table.costs.iter().zip(&region.ways).map(|(costs, ways)| left(costs, ways)).collect(),
@@ -297,7 +301,7 @@ fn rule_out(context: &Context, region: &mut Region, rules: Rules, threshold: f64
     let tables = context.with_prices_of_mass(region.tables.clone(), &region.ways, rules);
     let entries = context.entries(&region.ways);
     let mut keep: Vec<Vec<bool>> = region.ways.iter().map(|ways| vec![true; ways.len()]).collect();
-    for table in &tables {
+    for table in tables.iter().filter(|table| !table.is_excess) {
         let cost = |joint: usize, k: usize| {
             let way = region.ways[joint][k];
             search::cost(table, rules, joint, way, &entries[joint][k])
@@ -338,8 +342,8 @@ fn rule_out_too_much(region: &mut Region) {
 /// What each way to build each joint draws at least at the instants at which some combination drew too much, less what its mass is worth
 /// to those that carry it; `None` where none drew too much.
 fn too_much(context: &mut Context, ways: &[Vec<usize>]) -> Option<Table> {
-    let price = context.too_much.clone().filter(|_| context.supply.is_none())?;
-    let limit = context.power?;
+    let price = context.too_much.as_ref().map(Price::of_all).filter(|price| !price.rows.is_empty())?;
+    let limit = context.limit()?;
     let (powers, _) = context.powers(&price.shares());
     let n = ways.len();
     let reach: Vec<(f64, f64)> = (0..n).map(|j| masses(context, j, &ways[j])).collect();
@@ -372,7 +376,7 @@ fn too_much(context: &mut Context, ways: &[Vec<usize>]) -> Option<Table> {
             costs[j][*way] += (prices[j] * (low - center[j])).min(prices[j] * (high - center[j]));
         }
     }
-    Some(Table { per_mass: 0.0, costs, offset: -limit })
+    Some(Table { per_mass: 0.0, costs, offset: -limit, is_excess: true })
 }
 
 /// A carrying joint at the load of a table.
@@ -397,12 +401,12 @@ fn table<'a>(
     priced: bool,
 ) -> Table {
     let n = ways.len();
-    // Power of all joints has a price where it is limited and some combination was solved; where the supply sags it has none.
+    // Power of all joints has a price where it is limited and some combination was solved.
     let price = match found.map(|found| &found.price).filter(|price| !price.rows.is_empty()) {
         Some(price) => Some(price.clone()),
         None => context.too_much.clone().filter(|_| found.is_none()),
     };
-    let price = price.filter(|_| priced && !rules.lightest && context.power.is_some() && context.supply.is_none());
+    let price = price.filter(|_| priced && !rules.lightest && context.limit().is_some());
     let (powers, worth_of_power) = context.powers(&price.unwrap_or_default());
     let reach: Vec<(f64, f64)> = (0..n).map(|j| masses(context, j, &ways[j])).collect();
     let given = found.is_some();
@@ -462,7 +466,7 @@ fn table<'a>(
             if costs[joint][way] == f64::INFINITY { f64::INFINITY } else { mass[joint][way] }
         };
         let costs = (0..n).map(|j| (0..costs[j].len()).map(|way| of(j, way)).collect()).collect();
-        return Table { per_mass: 0.0, costs, offset: 0.0 };
+        return Table { per_mass: 0.0, costs, offset: 0.0, is_excess: false };
     }
     let offset = -worth_of_power;
     // What the mass of a way is worth to those that carry it.
@@ -493,7 +497,7 @@ fn table<'a>(
             costs[j][*way] = costs[j][*way].max(scale * bound + own);
         }
     }
-    Table { per_mass: 0.0, costs, offset }
+    Table { per_mass: 0.0, costs, offset, is_excess: false }
 }
 
 /// How much heavier an actuator is made to see what that costs \[kg\].
@@ -568,6 +572,7 @@ impl Place {
             };
             tangent.least(over).max(floor)
         };
+        context.work.count(ways.len() * BOUND);
         ways.par_iter().enumerate().map(of).collect()
     }
 

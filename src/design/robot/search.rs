@@ -15,6 +15,14 @@ use super::shared::Price;
 /// Nodes after which the search gives up; what is left is reported as a gap.
 const MAX_NODES: usize = 2_000_000;
 
+/// Excesses over a budget that are kept, the last ones.
+const EXCESSES: usize = 12;
+/// What is beyond a budget by this share of it certainly is.
+const SURELY: f64 = 1e-7;
+
+/// Costs that are looked up in a step of [`Work`](super::work::Work).
+const LOOKS: usize = 32;
+
 /// Combinations that are solved at most where each takes a program of its own.
 pub(super) const MAX_SOLVED: usize = 1500;
 /// The same where actuators load one another: bounds know nothing of what they share.
@@ -29,6 +37,15 @@ pub(super) struct Table {
     pub costs: Vec<Vec<f64>>,
     /// What is shared is worth so much at its prices.
     pub offset: f64,
+    /// True if the costs are what joints draw beyond a budget \[W\], not shares in the total: combinations above zero do not keep it.
+    pub is_excess: bool,
+}
+
+impl Table {
+    /// What is above this is beyond the budget of an excess, and not by rounding.
+    fn surely(&self) -> f64 {
+        SURELY * self.offset.abs()
+    }
 }
 
 /// One way to build a joint, before it is known how good it is.
@@ -159,6 +176,10 @@ pub(super) trait Combinations<'a> {
     fn is_timed(&self) -> bool;
     /// Told at each branch: how many were looked at, and how many complete combinations solved.
     fn searched(&self, branches: usize, solved: usize);
+    /// Counts steps of [`Work`](super::work::Work).
+    fn count(&self, steps: usize);
+    /// An excess that the last complete combination showed, if it did.
+    fn excess(&mut self) -> Option<Table>;
     /// A complete combination, by the places of its entries, where it may be better than a value.
     fn complete(&mut self, entries: &[usize], threshold: f64) -> Completed<'a>;
 }
@@ -175,7 +196,7 @@ struct Column {
 struct Search<'s, 'a, C: Combinations<'a>> {
     robot: &'s mut C,
     entries: &'s [Vec<Entry>],
-    tables: &'s [Table],
+    tables: Vec<Table>,
     rules: Rules,
     /// For each table and joint.
     columns: Vec<Vec<Column>>,
@@ -193,7 +214,6 @@ struct State {
     places: Vec<usize>,
     mass: f64,
     used: BTreeSet<usize>,
-    sums: Vec<f64>,
 }
 
 /// Finds the best combinations of the entries of each joint, beside those that were found already; after so many that it solved it gives
@@ -218,14 +238,13 @@ pub(super) fn run<'a, C: Combinations<'a>>(
         all_motors: motors.into_iter().collect(),
         robot,
         entries,
-        tables,
+        tables: tables.to_vec(),
         rules,
         answer,
         most_solved,
         ended: false,
     };
-    let root = tables.iter().map(|t| constant(t, rules)).collect();
-    let mut state = State { places: vec![0; entries.len()], mass: 0.0, used: BTreeSet::new(), sums: root };
+    let mut state = State { places: vec![0; entries.len()], mass: 0.0, used: BTreeSet::new() };
     search.descend(0, &mut state);
     let mut answer = search.answer;
     if let Some(best) = answer.found.first() {
@@ -254,7 +273,7 @@ pub(super) fn counted<'a>(found: Found<'a>, rules: Rules) -> Option<Found<'a>> {
 
 /// What the budgets are worth at a table's prices, taken off the sum.
 pub(super) fn constant(table: &Table, rules: Rules) -> f64 {
-    match (rules.lightest, rules.mass) {
+    match (rules.lightest || table.is_excess, rules.mass) {
         (false, Some(limit)) => table.offset - table.per_mass * limit,
         _ => table.offset,
     }
@@ -263,7 +282,8 @@ pub(super) fn constant(table: &Table, rules: Rules) -> f64 {
 /// What an entry costs under a table.
 pub(super) fn cost(table: &Table, rules: Rules, joint: usize, place: usize, entry: &Entry) -> f64 {
     // Without a budget of mass its price is nothing.
-    let of_mass = if rules.mass.is_some() && !rules.lightest { table.per_mass * entry.mass } else { 0.0 };
+    let of_mass =
+        if rules.mass.is_some() && !rules.lightest && !table.is_excess { table.per_mass * entry.mass } else { 0.0 };
     of_mass + table.costs[joint][place]
 }
 
@@ -315,8 +335,8 @@ impl<'a, C: Combinations<'a>> Search<'_, 'a, C> {
             self.finish(state);
             return;
         }
-        // The last table is the guide: its cheapest entries come first.
-        let guide = self.tables.len() - 1;
+        // The last table of costs is the guide: its cheapest entries come first.
+        let guide = self.tables.iter().rposition(|table| !table.is_excess).unwrap_or(0);
         let costs = &self.columns[guide][depth].cost;
         let mut places: Vec<usize> = (0..self.entries[depth].len()).collect();
         places.sort_by(|a, b| costs[*a].total_cmp(&costs[*b]).then(a.cmp(b)));
@@ -337,31 +357,53 @@ impl<'a, C: Combinations<'a>> Search<'_, 'a, C> {
             }
             self.answer.nodes += 1;
             self.robot.searched(self.answer.nodes, self.answer.solved);
-            let before = (state.mass, state.sums.clone());
+            let before = state.mass;
             state.mass = mass;
             if new {
                 state.used.insert(chosen.motor);
             }
-            for (sum, columns) in state.sums.iter_mut().zip(&self.columns) {
-                *sum += columns[depth].cost[place];
-            }
             state.places[depth] = place;
+            let looks = if self.rules.motors.is_some() { self.all_motors.len() } else { 1 };
+            self.robot.count(1 + self.tables.len() * (self.entries.len() - depth) * looks / LOOKS);
             let bound = self.bound(depth + 1, state);
             if bound < self.answer.threshold(self.rules.keep) {
                 self.descend(depth + 1, state);
             } else {
                 self.answer.lower = self.answer.lower.min(bound);
             }
-            (state.mass, state.sums) = before;
+            state.mass = before;
             if new {
                 state.used.remove(&chosen.motor);
             }
         }
     }
 
+    /// A bound of all combinations that begin with the first entries of a state; infinite where none of them keeps a budget.
     fn bound(&self, depth: usize, state: &State) -> f64 {
-        let of = |t: usize| state.sums[t] + self.rest(t, depth, state);
-        (0..self.tables.len()).map(of).fold(f64::NEG_INFINITY, f64::max)
+        let mut bound = f64::NEG_INFINITY;
+        for (t, table) in self.tables.iter().enumerate() {
+            let chosen =
+                self.columns[t].iter().zip(&state.places).take(depth).map(|(column, place)| column.cost[*place]);
+            let here = constant(table, self.rules) + chosen.sum::<f64>() + self.rest(t, depth, state);
+            match table.is_excess {
+                true if here > table.surely() => return f64::INFINITY,
+                true => {}
+                false => bound = bound.max(here),
+            }
+        }
+        bound
+    }
+
+    /// Takes an excess that a combination showed into account.
+    fn learn(&mut self) {
+        let Some(table) = self.robot.excess() else { return };
+        let excesses: Vec<usize> = (0..self.tables.len()).filter(|t| self.tables[*t].is_excess).collect();
+        if excesses.len() >= EXCESSES {
+            self.tables.remove(excesses[0]);
+            self.columns.remove(excesses[0]);
+        }
+        self.columns.push(columns(&table, self.entries, self.rules));
+        self.tables.push(table);
     }
 
     /// Nothing further is looked at: what is left counts with its bounds.
@@ -385,7 +427,10 @@ impl<'a, C: Combinations<'a>> Search<'_, 'a, C> {
                 self.answer.lower = self.answer.lower.min(lower);
                 return;
             }
-            Completed::Cannot => return,
+            Completed::Cannot => {
+                self.learn();
+                return;
+            }
         };
         let Some(found) = found else { return };
         self.answer.lower = self.answer.lower.min(found.lower);

@@ -12,6 +12,7 @@ use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, S
 use super::convex::{Convex, add, least_of_pieces, least_over, under};
 use super::dual::{self, Separable};
 use super::power::{self, Draws, Places, Profile, Schedule, largest, worst_drive};
+use super::work::Work;
 use crate::actuator::Laurent;
 use crate::design::Prepared;
 use crate::design::program::{RatioProgram, minimise, value};
@@ -39,6 +40,10 @@ const HALVINGS: usize = 36;
 const STEPS: usize = 50;
 /// Rounds without anything new after which a box is given up.
 const STALLED: usize = 3;
+/// Rows and columns of a cone program that take a step of [`Work`] in each iteration.
+const CONE: usize = 2;
+/// Steps that a sample of what comes back takes in a bound between two ratios.
+const SAMPLE: usize = 5;
 /// The power of all joints is kept to this relative accuracy.
 pub(super) const POWER_TOLERANCE: f64 = 1e-9;
 
@@ -139,6 +144,11 @@ impl Price {
         self.rows.iter().map(|(places, price)| (Shared::Power(places.clone()), *price)).collect()
     }
 
+    /// Of the power of all joints alone, without what single drives ask for.
+    pub(super) fn of_all(&self) -> Price {
+        Price { rows: self.rows.iter().filter(|(places, _)| places.drive.is_none()).cloned().collect() }
+    }
+
     /// The same as shares of one.
     pub(super) fn shares(&self) -> Price {
         let all: f64 = self.rows.iter().map(|(_, price)| price).sum();
@@ -199,15 +209,29 @@ struct Cut {
     returned: Vec<(usize, usize, f64)>,
 }
 
+#[derive(Clone, Copy)]
 struct Program<'p> {
     parts: &'p [Part<'p>],
     schedule: &'p Schedule,
     /// What may come back from all joints together \[W\].
     returned: Option<f64>,
+    work: &'p Work,
     /// What is not below this is of no interest.
     threshold: f64,
     /// What power cost in other combinations.
     known: Known<'p>,
+}
+
+/// What all joints of a combination share.
+#[derive(Clone, Copy)]
+pub(super) struct Shares<'s> {
+    pub schedule: &'s Schedule,
+    /// Limit on the power of all joints \[W\]; infinite where there is none.
+    pub limit: f64,
+    /// Limit on what comes back from all joints \[W\].
+    pub returned: Option<f64>,
+    /// Counts what is done.
+    pub work: &'s Work,
 }
 
 /// What is known of other combinations.
@@ -271,18 +295,22 @@ impl Separable for Apart<'_> {
     }
 
     fn drawn(&self, row: &Shared, joint: usize, ratio: f64) -> f64 {
-        let profile = &self.program.parts[joint].profile;
         match row {
-            Shared::Power(places) => self.of_joint(places, joint).map(|(k, w)| w * profile.at(k, ratio).0).sum(),
-            Shared::Returned(places) => self.of_joint(places, joint).map(|(k, w)| w * profile.returned(k, ratio)).sum(),
+            Shared::Power(places) => self.program.share_of_power(places, joint, ratio, self.limit).0,
+            Shared::Returned(places) => {
+                let profile = &self.program.parts[joint].profile;
+                let of_sample = |(k, weight)| {
+                    self.program.work.count(1);
+                    weight * profile.returned(k, ratio)
+                };
+                self.of_joint(places, joint).map(of_sample).sum()
+            }
         }
     }
 
     fn drawn_cut(&self, row: &Shared, joint: usize, ratio: f64) -> Option<Laurent> {
         let Shared::Power(places) = row else { return None };
-        let profile = &self.program.parts[joint].profile;
-        let rows = self.of_joint(places, joint).map(|(k, weight)| profile.at(k, ratio).1 * weight);
-        Some(rows.fold(Laurent::default(), |sum, row| sum + row))
+        Some(self.program.share_of_power(places, joint, ratio, self.limit).1)
     }
 
     fn limit(&self, row: &Shared) -> f64 {
@@ -304,6 +332,10 @@ impl Separable for Apart<'_> {
         }
     }
 
+    fn count(&self, steps: usize) {
+        self.program.work.count(steps);
+    }
+
     fn kept(&self, ratios: &[f64]) -> (Vec<f64>, Option<Shared>) {
         let (power, places) = self.program.power(ratios, self.limit);
         let kept = self.program.kept(ratios, power, self.gentlest, self.limit);
@@ -323,12 +355,11 @@ impl Separable for Apart<'_> {
 /// divided until the bounds meet, or none of them is below what is of interest, or until somebody ends it.
 pub(super) fn solve(
     parts: &mut [Part],
-    schedule: &Schedule,
-    (limit, returned): (f64, Option<f64>),
+    Shares { schedule, limit, returned, work }: Shares,
     (threshold, known): (f64, Known),
     ends: &dyn Fn() -> bool,
 ) -> Outcome {
-    let solve_box = |parts: &[Part]| solve_box(Program { parts, schedule, returned, threshold, known }, limit);
+    let solve_box = |parts: &[Part]| solve_box(Program { parts, schedule, returned, work, threshold, known }, limit);
     let first = match solve_box(parts) {
         Outcome::Solved(solved) if solved.is_open() && solved.lower < threshold => solved,
         done => return done,
@@ -415,7 +446,7 @@ fn solve_box(program: Program, limit: f64) -> Outcome {
     let parts = program.parts;
     let own: Vec<f64> = parts.iter().map(|p| p.own.clamp(p.ratios.0, p.ratios.1)).collect();
     let unmoved = own.iter().zip(parts).all(|(n, p)| *n == p.own);
-    let (beyond, returned) = (program.beyond(&own), program.returned.is_some());
+    let beyond = program.beyond(&own);
     if beyond.as_ref().is_some_and(|places| program.comes_back(places)) {
         return Outcome::ComesBack;
     }
@@ -424,41 +455,45 @@ fn solve_box(program: Program, limit: f64) -> Outcome {
         let lower = parts.iter().map(|p| p.scale * p.lower).sum();
         return Outcome::Solved(Solved { ratios: own, value, lower, price: Price::default() });
     }
-    let best = |gentlest: &[f64]| match returned {
-        true => program.best_returning(&own, gentlest, limit),
-        false if program.sags() => program.best(own.clone(), gentlest, limit),
-        false => program.by_prices(&own, gentlest, limit),
+    let no_value = |ratios: Vec<f64>, lower: f64, price: Price| {
+        Outcome::Solved(Solved { ratios, value: f64::INFINITY, lower, price })
     };
-    if limit == f64::INFINITY {
-        return best(&own);
-    }
-    let known = if returned { f64::NEG_INFINITY } else { program.least_at_known_prices(limit) };
-    if known >= program.threshold {
-        return Outcome::Solved(Solved { ratios: own, value: f64::INFINITY, lower: known, price: Price::default() });
-    }
-    if let Some(price) = program.known.too_much.filter(|_| !returned) {
-        let price = price.shares();
-        let least = program.least_power_at(&price, limit);
-        if least > limit * (1.0 + SURELY) {
-            return Outcome::TooMuch { least, price };
+    let mut gentlest = own.clone();
+    if limit < f64::INFINITY {
+        let known = program.least_at_known_prices(limit);
+        if known >= program.threshold {
+            return no_value(own, known, Price::default());
+        }
+        if let Some(price) = program.known.too_much {
+            let price = price.shares();
+            let least = program.least_power_at(&price, limit);
+            if least > limit * (1.0 + SURELY) {
+                return Outcome::TooMuch { least, price };
+            }
+        }
+        let (found, least, price) = program.least_power(&own, limit);
+        gentlest = found;
+        if program.power(&gentlest, limit).0 > limit * (1.0 + POWER_TOLERANCE) {
+            if least > limit * (1.0 - 1e-7) {
+                return Outcome::TooMuch { least, price };
+            }
+            return no_value(gentlest, parts.iter().map(Part::least).sum(), price);
         }
     }
-    let (gentlest, least, price) = program.least_power(&own, limit);
-    let (gentlest_power, _) = program.power(&gentlest, limit);
-    if gentlest_power > limit * (1.0 + POWER_TOLERANCE) {
-        if least > limit * (1.0 - 1e-7) {
-            return Outcome::TooMuch { least, price };
-        }
-        let lower = parts.iter().map(Part::least).sum();
-        return Outcome::Solved(Solved { ratios: gentlest, value: f64::INFINITY, lower, price });
+    // Without the limit on what comes back the joints fall apart; what keeps it all the same is the best with it.
+    let free = program.by_prices(&own, &gentlest, limit);
+    match program.returned {
+        None => Outcome::Solved(free),
+        Some(_) if free.value < f64::INFINITY && program.fits(&free.ratios, limit) => Outcome::Solved(free),
+        Some(_) if free.lower >= program.threshold => no_value(free.ratios, free.lower, free.price),
+        Some(_) => program.best_returning(&own, &gentlest, free, limit),
     }
-    best(&gentlest)
 }
 
 /// What each joint draws at these ratios.
 pub(super) fn draws(parts: &[Part], schedule: &Schedule, ratios: &[f64]) -> Vec<Draws> {
-    Program { parts, schedule, returned: Some(f64::INFINITY), threshold: f64::INFINITY, known: Known::default() }
-        .draws(ratios)
+    let (returned, work, known) = (Some(f64::INFINITY), &Work::endless(), Known::default());
+    Program { parts, schedule, returned, work, threshold: f64::INFINITY, known }.draws(ratios)
 }
 
 impl Program<'_> {
@@ -520,6 +555,7 @@ impl Program<'_> {
     fn least_with_returned(&self, j: usize, sum: &Laurent, priced: &[(usize, f64)]) -> f64 {
         let part = &self.parts[j];
         least_of_pieces(part.ratios, |(a, b)| {
+            self.work.count(SAMPLE * priced.len());
             let middle = (a * b).sqrt();
             let mut least = under(sum, (a, b), middle);
             for (sample, price) in priced {
@@ -564,27 +600,41 @@ impl Program<'_> {
         if good == 1.0 { to.to_vec() } else { at(good) }
     }
 
+    /// A joint's share in the row of an instant of each group \[W\], and the polynomial that touches it at a ratio and is nowhere above it.
+    fn share_of_power(&self, places: &Places, joint: usize, ratio: f64, limit: f64) -> (f64, Laurent) {
+        let profile = &self.parts[joint].profile;
+        let (mut value, mut polynomial) = (0.0, Laurent::default());
+        let mut count = |(power, cut): (f64, Laurent), weight: f64| {
+            value += power * weight;
+            polynomial = polynomial + cut * weight;
+        };
+        for (_, sample, weight) in self.schedule.parts(places).filter(|(j, ..)| *j == joint) {
+            match places.drive {
+                None => count(profile.at(*sample, ratio), *weight),
+                Some(_) => count(profile.taken(*sample, ratio), *weight),
+            }
+        }
+        for (sample, share) in places.drive.iter().filter(|drive| drive.joint == joint).flat_map(|drive| &drive.samples)
+        {
+            let Some((beyond, cut)) = profile.beyond(*sample, ratio) else { continue };
+            // Its own power is in what it asks for.
+            count(profile.taken(*sample, ratio), -share);
+            count((beyond + limit, cut + Laurent::constant(limit)), *share);
+        }
+        (value, polynomial)
+    }
+
     /// The row of an instant of each group.
     fn row(&self, places: &Places, ratios: &[f64], epigraph: Option<usize>, limit: f64) -> Cut {
-        let mut sums: Vec<Option<Laurent>> = vec![None; self.parts.len()];
-        let mut count = |j: usize, polynomial: &Laurent, weight: f64| count(&mut sums[j], *polynomial, weight);
-        for (j, sample, weight) in self.schedule.parts(places) {
-            let profile = &self.parts[*j].profile;
-            match places.drive {
-                None => count(*j, &profile.at(*sample, ratios[*j]).1, *weight),
-                Some(_) => count(*j, &profile.taken(*sample, ratios[*j]), *weight),
-            }
-        }
-        if let Some(drive) = &places.drive {
-            let (j, profile) = (drive.joint, &self.parts[drive.joint].profile);
-            for (sample, share) in &drive.samples {
-                let Some(beyond) = profile.beyond(*sample, ratios[j]) else { continue };
-                // Its own power is in what it asks for.
-                count(j, &profile.taken(*sample, ratios[j]), -share);
-                count(j, &(beyond + Laurent::constant(limit)), *share);
-            }
-        }
-        let parts = self.shares(sums, ratios);
+        let has_part = |j: &usize| {
+            self.schedule.parts(places).any(|(joint, ..)| joint == j)
+                || places.drive.as_ref().is_some_and(|drive| drive.joint == *j)
+        };
+        let of = |j: usize| {
+            let polynomial = self.share_of_power(places, j, ratios[j], limit).1;
+            Share::new(&self.parts[j], j, polynomial, ratios[j])
+        };
+        let parts = (0..self.parts.len()).filter(has_part).map(of).collect();
         Cut { epigraph, parts, places: Some(places.clone()), most: limit, returned: Vec::new() }
     }
 
@@ -613,44 +663,6 @@ impl Program<'_> {
             ratios = next;
         }
         (best.1, bound.min(best.0), price)
-    }
-
-    fn best(&self, own: Vec<f64>, gentlest: &[f64], limit: f64) -> Outcome {
-        let total = |ratios: &[f64]| self.parts.iter().zip(ratios).map(|(p, n)| p.value(*n)).sum::<f64>();
-        let mut cuts: Vec<Cut> = Vec::new();
-        let free = self.parts.iter().map(Part::least).sum::<f64>();
-        let (mut best, mut bound, mut price) = ((total(gentlest), gentlest.to_vec()), free, Price::default());
-        let mut ratios = own;
-        self.add_objective(&mut cuts, gentlest);
-        for (j, part) in self.parts.iter().enumerate().filter(|(_, p)| p.moves()) {
-            cuts.extend([part.ratios.0, part.ratios.1].map(|n| part.epigraph(j, n)));
-        }
-        for _ in 0..ROUNDS {
-            let (power, places) = self.power(&ratios, limit);
-            let kept = self.kept(&ratios, power, gentlest, limit);
-            let value = total(&kept);
-            if value < best.0 {
-                best = (value, kept);
-            }
-            if best.0 - bound <= 1e-9 * best.0.abs() {
-                break;
-            }
-            if power > limit {
-                cuts.push(self.row(&places, &ratios, None, limit));
-            }
-            self.add_objective(&mut cuts, &ratios);
-            let Some((next, multipliers)) = self.propose(&cuts, self.parts.len()) else { break };
-            let lower = self.bound(&cuts, &multipliers);
-            if lower > bound {
-                bound = lower;
-                price = prices(&cuts, &multipliers);
-            }
-            if next == ratios {
-                break;
-            }
-            ratios = next;
-        }
-        Outcome::Solved(Solved { ratios: best.1, value: best.0, lower: bound.min(best.0), price })
     }
 
     /// A bound at what power cost in other combinations: of those that are alike it says most.
@@ -686,33 +698,39 @@ impl Program<'_> {
         }
     }
 
-    /// Whether a supply gives each drive what the others leave.
-    fn sags(&self) -> bool {
-        self.parts.iter().any(|part| part.profile.sags())
-    }
-
-    /// The best ratios by prices alone, from some that keep the limit.
-    fn by_prices(&self, own: &[f64], gentlest: &[f64], limit: f64) -> Outcome {
-        let apart = self.apart(gentlest, limit);
+    /// The best ratios by prices alone, from some that keep the limit on power, whatever comes back.
+    fn by_prices(&self, own: &[f64], gentlest: &[f64], limit: f64) -> Solved {
+        let whatever = Program { returned: None, ..*self };
+        let apart = whatever.apart(gentlest, limit);
         let priced = dual::solve(&apart, &[gentlest.to_vec(), own.to_vec()], self.threshold);
         let free = self.parts.iter().map(Part::least).sum::<f64>();
         let lower = priced.lower.max(free).min(priced.value);
-        let price = Price::of(priced.rows);
-        Outcome::Solved(Solved { ratios: priced.ratios, value: priced.value, lower, price })
+        Solved { ratios: priced.ratios, value: priced.value, lower, price: Price::of(priced.rows) }
     }
 
-    /// The best ratios where what comes back is limited. It is concave in them, so that its tangents at ratios that keep the limit leave
-    /// a convex part of those that do: the best of it is the next. The bound is that of the limit itself at the multipliers.
-    fn best_returning(&self, own: &[f64], gentlest: &[f64], limit: f64) -> Outcome {
+    /// The best ratios where what comes back is limited, from the best without that limit: by prices, and where these leave a gap by
+    /// tangents. What comes back is concave in the ratios, so that its tangents at ratios that keep the limit leave a convex part of those
+    /// that do: the best of it is the next. The bound is that of the limit itself at the multipliers.
+    fn best_returning(&self, own: &[f64], gentlest: &[f64], free: Solved, limit: f64) -> Outcome {
         let total = |ratios: &[f64]| self.parts.iter().zip(ratios).map(|(p, n)| p.value(*n)).sum::<f64>();
-        let free = self.parts.iter().map(Part::least).sum::<f64>();
-        let mut price = Price::default();
-        let kept = self.kept(own, self.power(own, limit).0, gentlest, limit);
-        let Some(mut at) = [kept.as_slice(), gentlest].into_iter().find_map(|start| self.returning(start, limit))
+        let Solved { ratios: start, lower: mut bound, mut price, .. } = free;
+        let Some(mut at) = [start.as_slice(), gentlest].into_iter().find_map(|start| self.returning(start, limit))
         else {
-            return Outcome::Solved(Solved { ratios: gentlest.to_vec(), value: f64::INFINITY, lower: free, price });
+            return Outcome::Solved(Solved { ratios: gentlest.to_vec(), value: f64::INFINITY, lower: bound, price });
         };
-        let (mut best, mut bound, mut stalled) = (total(&at), free, 0);
+        let mut best = total(&at);
+        // What is made convex for the program may be far below what it is: prices alone say more.
+        let apart = self.apart(&at, limit);
+        let priced = dual::solve(&apart, &[at.clone(), start], self.threshold);
+        if priced.value < best {
+            (best, at) = (priced.value, priced.ratios);
+        }
+        bound = bound.max(priced.lower).min(best);
+        let solved = Solved { ratios: at.clone(), value: best, lower: bound, price: price.clone() };
+        if !solved.is_open() || bound >= self.threshold {
+            return Outcome::Solved(solved);
+        }
+        let mut stalled = 0;
         let mut instants: Vec<Places> = self.beyond(own).into_iter().collect();
         let mut cuts: Vec<Cut> = Vec::new();
         for (j, part) in self.parts.iter().enumerate().filter(|(_, p)| p.moves()) {
@@ -750,21 +768,11 @@ impl Program<'_> {
             }
             stalled = if better || better_bound || new.is_some() { 0 } else { stalled + 1 };
             instants.extend(new);
-            if best - bound <= 1e-9 * best.abs() || stalled >= STALLED {
+            if best - bound <= 1e-9 * best.abs() || bound >= self.threshold || stalled >= STALLED {
                 break;
             }
         }
-        let solved = Solved { ratios: at, value: best, lower: bound.min(best), price };
-        if self.sags() || !solved.is_open() || solved.lower >= self.threshold || solved.value == f64::INFINITY {
-            return Outcome::Solved(solved);
-        }
-        // What is made convex for the program may be far below what it is: prices alone say more.
-        let apart = self.apart(&solved.ratios, limit);
-        let priced = dual::solve(&apart, &[solved.ratios.clone(), own.to_vec()], self.threshold);
-        let better = priced.value < solved.value;
-        let (ratios, value) =
-            if better { (priced.ratios, priced.value) } else { (solved.ratios.clone(), solved.value) };
-        Outcome::Solved(Solved { ratios, value, lower: solved.lower.max(priced.lower).min(value), price: solved.price })
+        Outcome::Solved(Solved { ratios: at, value: best, lower: bound.min(best), price })
     }
 
     fn add_objective(&self, cuts: &mut Vec<Cut>, ratios: &[f64]) {
@@ -947,6 +955,7 @@ impl Program<'_> {
         let mut solver = DefaultSolver::new(&p, &q, &matrix, &b, &cones, settings).ok()?;
         solver.solve();
         let solution = &solver.solution;
+        self.work.count(solution.iterations as usize * (b.len() + width) / CONE);
         let usable = matches!(
             solution.status,
             SolverStatus::Solved | SolverStatus::AlmostSolved | SolverStatus::InsufficientProgress

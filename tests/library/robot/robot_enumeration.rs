@@ -40,9 +40,9 @@ fn is_better(one: &Point, other: &Point) -> bool {
     }
 }
 
-struct Case {
-    robot: Robot,
-    catalog: Catalog,
+pub(super) struct Case {
+    pub robot: Robot,
+    pub catalog: Catalog,
 }
 
 /// One actuator at one ratio, from the equations.
@@ -428,7 +428,7 @@ g9,planetary,9,2,0.9,120,5,,,*,test,derived
 g20,planetary,20,2,0.85,160,6,,,*,test,derived
 ";
 
-fn draw(index: u64) -> Case {
+pub(super) fn draw(index: u64) -> Case {
     let generator = RefCell::new(Pcg64::seed_from_u64(index));
     let within = |a: f64, b: f64| generator.borrow_mut().random_range(a..b);
     let chance = |share: f64| within(0.0, 1.0) < share;
@@ -540,7 +540,7 @@ fn draw(index: u64) -> Case {
 }
 
 /// A robot on a supply that sags under all its joints, from a little to far too much.
-fn draw_sagging(index: u64) -> Case {
+pub(super) fn draw_sagging(index: u64) -> Case {
     // Of the kinds that have a program over all ratios anyway.
     let mut case = draw(3 * index + 2);
     let mut generator = Pcg64::seed_from_u64(index + 1);
@@ -553,7 +553,7 @@ fn draw_sagging(index: u64) -> Case {
 }
 
 /// A robot whose bus takes back less than its best gives back, with a brake or without.
-fn draw_returning(index: u64) -> Case {
+pub(super) fn draw_returning(index: u64) -> Case {
     let mut case = draw(3 * index + 2);
     let mut generator = Pcg64::seed_from_u64(index + 7);
     let mut within = |a: f64, b: f64| generator.random_range(a..b);
