@@ -56,7 +56,7 @@ impl Losses {
     }
 }
 
-/// The parts that are polynomials in the ratio, without copper.
+/// The parts that are polynomials in the ratio: all but the heat of the current, in copper, leads and drive.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct LossTerms {
     /// [`Losses::motor_drag`].
@@ -65,27 +65,26 @@ pub struct LossTerms {
     pub gear_load: Laurent,
     /// [`Losses::gear_no_load`].
     pub gear_no_load: Laurent,
-    /// The drive's resistance and standby power.
-    pub drive: Laurent,
+    /// The drive's standby power.
+    pub standby: Laurent,
 }
 
 impl LossTerms {
-    /// Of an actuator that carries a load, with the mean of its squared torque \[N²·m²\] and the drive's standby power
-    /// \[W\].
-    pub fn new(load: &Load, actuator: &Actuator, torque_squared: Laurent, standby: f64) -> LossTerms {
+    /// Of an actuator that carries a load, with the drive's standby power \[W\].
+    pub fn new(load: &Load, actuator: &Actuator, standby: f64) -> LossTerms {
         let power = |form: &ShaftForm| load.mean_shaft_power(|_| *form);
         let through = |flow| ShaftForm::of(Feature::Load, actuator.torque_form(flow)[Feature::Load] - 1.0);
         LossTerms {
             motor_drag: power(actuator.drag_form()),
             gear_load: load.gear_loss().unwrap_or_else(|| load.mean_shaft_power(through)),
             gear_no_load: power(actuator.gear_drag_form()),
-            drive: torque_squared * actuator.conduction() + Laurent::constant(standby),
+            standby: Laurent::constant(standby),
         }
     }
 
     /// Their sum.
     pub fn sum(&self) -> Laurent {
-        self.motor_drag + self.gear_load + self.gear_no_load + self.drive
+        self.motor_drag + self.gear_load + self.gear_no_load + self.standby
     }
 }
 

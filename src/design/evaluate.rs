@@ -61,9 +61,11 @@ struct Means {
 
 impl Means {
     fn new(candidate: &Candidate, actuator: &Actuator) -> Means {
-        let torque_squared = candidate.load.mean_torque_squared(actuator);
-        let losses = LossTerms::new(candidate.load, actuator, torque_squared, candidate.standby_power());
-        Means { torque_squared, losses, power: candidate.load.mean_power(actuator) }
+        Means {
+            torque_squared: candidate.load.mean_torque_squared(actuator),
+            losses: LossTerms::new(candidate.load, actuator, candidate.standby_power()),
+            power: candidate.load.mean_power(actuator),
+        }
     }
 }
 
@@ -385,7 +387,7 @@ impl<'a> Prepared<'a> {
     }
 
     fn loss_of(&self, actuator: &Actuator, means: &Means, ratio: f64) -> Laurent {
-        let plain = self.copper_of(actuator, means, ratio) + means.losses.sum();
+        let plain = self.copper_of(actuator, means, ratio) * actuator.with_leads() + means.losses.sum();
         match self.by_efficiency(self.drawn(), actuator, means, ratio) {
             Some(drive) => plain + drive,
             None => plain,
@@ -417,9 +419,8 @@ impl<'a> Prepared<'a> {
         }
         let drawn = self.candidate.load.drawn_cut(actuator, drawn, ratio);
         // The mean power has the heat as if the iron did not saturate.
-        let leads = actuator.with_leads();
-        let heat = self.copper_of(actuator, means, ratio) + means.torque_squared * -actuator.heating();
-        let behind = means.power + heat * leads + means.torque_squared * actuator.conduction();
+        let heat = self.copper_of(actuator, means, ratio) * actuator.with_leads();
+        let behind = means.power + means.torque_squared * -actuator.heating() + heat;
         Some(drawn + behind * -1.0)
     }
 
@@ -431,12 +432,14 @@ impl<'a> Prepared<'a> {
         let (drawn, by_drive) = (self.drawn(), self.drawn().by_drive());
         let all = taken(drawn);
         let drive = if drawn == by_drive { all } else { taken(by_drive) };
+        let copper = self.copper_at(actuator, means, ratio);
         let losses = Losses {
-            copper: self.copper_at(actuator, means, ratio),
+            copper,
             motor_drag: at(&terms.motor_drag),
             gear_load: at(&terms.gear_load),
             gear_no_load: at(&terms.gear_no_load),
-            drive: at(&terms.drive) + drive,
+            // The same current heats leads and drive.
+            drive: copper * (actuator.with_leads() - 1.0) + at(&terms.standby) + drive,
             braking: (all - drive).max(0.0),
         };
         (losses, all)

@@ -7,6 +7,7 @@ use super::said::{bind_text, per_cent};
 use super::table::{Column, Table, paragraph};
 use super::tint::Tint;
 use super::{currents, heat_or, number, optimum_ratio, optional};
+use crate::actuator::limits::UNBOUNDED;
 use crate::actuator::metrics::{METRICS, Shown};
 use crate::catalog::alternative::lines;
 use crate::catalog::audit::{audit_motor, conventions_line};
@@ -18,7 +19,11 @@ use crate::design::program::{Certificate, Optimum};
 use crate::requirement::Joint;
 use crate::words::number_below;
 
+/// A share in per cent; the margin of an infinite demand is a word.
 pub(super) fn percent(fraction: f64) -> String {
+    if fraction <= UNBOUNDED {
+        return "exceeded".to_string();
+    }
     format!("{}{} %", if fraction > 0.0 { "+" } else { "" }, number((1e4 * fraction).round() / 100.0))
 }
 

@@ -9,10 +9,11 @@ use crate::requirement::Joint;
 /// Why a motor was rejected: a short class for counting, and the sentence.
 pub fn reason_text(reason: &Reason, joint: &Joint) -> (String, String) {
     // By how much a limit is exceeded, after the verb.
-    let by = |over: f64, allowed: f64| match (over.is_finite(), allowed == 0.0) {
-        (_, true) => "more than nothing, and nothing is allowed".to_string(),
-        (true, _) => format!("{} times the limit", number(over)),
-        (false, _) => "without end".into(),
+    let by = |over: f64, allowed: f64| match () {
+        () if allowed == 0.0 => "above a limit of zero".to_string(),
+        () if !over.is_finite() => "unbounded".into(),
+        () if allowed < 0.0 => format!("{} against a limit of {}", number(over * allowed), number(allowed)),
+        () => format!("{} times the limit", number(over)),
     };
     match reason {
         Reason::Unusable(unusable) => (unusable.reason().into(), unusable.reason().into()),

@@ -8,6 +8,9 @@ use crate::actuator::waveform::{Functional, WavePoint, Waveform};
 use crate::actuator::weakening::AlongD;
 use crate::numerics::laurent::Laurent;
 
+/// Margin of an infinite demand: a finite number, which programs can read.
+pub const UNBOUNDED: f64 = -1e6;
+
 /// What a demand may be of the terms whose sum it is and still count as nothing.
 const ROUNDING: f64 = 1e-9;
 
@@ -181,20 +184,23 @@ impl Asked {
         Some((functional, waveform.point(largest.index)))
     }
 
-    /// `1 − demand/limit` at a ratio, for the functional's value there. A limit of zero has margin 0 where it is kept
-    /// and −1 where it is not: what rounding leaves of terms that cancel does not break it. A demand without end has
-    /// −10⁶.
+    /// Distance of the demand from the bound over the size of the bound, (limit − demand)/|limit|, at a ratio for the functional's value
+    /// there: not negative exactly where the limit is satisfied. With a positive limit a negative demand counts as zero. A limit of zero has
+    /// margin 0 where it is satisfied, up to the rounding of terms that cancel, and −1 elsewhere. An infinite demand has −10⁶.
     pub fn margin(&self, candidate: &Candidate, ratio: f64, raw: f64) -> f64 {
         let demand = self.natural(raw);
-        // Thermal runaway is beyond any limit; a finite number is what programs can read.
+        // Thermal runaway is beyond any limit.
         if demand == f64::INFINITY {
-            return -1e6;
+            return UNBOUNDED;
         }
         if self.bound == 0.0 {
             let rounding =
                 || self.polynomial_at(candidate, ratio).is_some_and(|(terms, _)| raw <= ROUNDING * terms.size(ratio));
             return if demand <= 0.0 || rounding() { 0.0 } else { -1.0 };
         }
-        1.0 - demand.max(0.0) / self.bound
+        match self.bound > 0.0 {
+            true => 1.0 - demand.max(0.0) / self.bound,
+            false => (self.bound - demand) / self.bound.abs(),
+        }
     }
 }

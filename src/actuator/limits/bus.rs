@@ -19,7 +19,7 @@ pub(super) const LIMITS: &[Limit] = &[
         stated: |robot, _| robot.bus.power.is_some(),
         key: |_| Some(Key::Robot(&["bus", "power"])),
         prepare: |c| match c.robot.bus.power {
-            Some(bound) => power(1.0 / c.robot.bus.drive_efficiency, bound - c.standby_power()),
+            Some(bound) => power(c, 1.0, bound - c.standby_power()),
             None => Prepared::NotAsked,
         },
     },
@@ -40,7 +40,7 @@ pub(super) const LIMITS: &[Limit] = &[
                 let resistance = c.supply_resistance();
                 let bound = if resistance > 0.0 { bound.min(voltage / (2.0 * resistance)) } else { bound };
                 let bound = bound * (1.0 - resistance * bound / voltage);
-                power(1.0 / (c.robot.bus.drive_efficiency * voltage), bound - c.standby_power() / voltage)
+                power(c, voltage, bound - c.standby_power() / voltage)
             }
             None => Prepared::NotAsked,
         },
@@ -86,7 +86,10 @@ fn lifting(robot: &Robot, resistance: f64) -> Option<f64> {
     (bus.goes_back() > lifted).then(|| lifted + bus.brake_power.unwrap_or(0.0))
 }
 
-/// The largest power that a joint draws, by a factor to the unit of the bound.
-fn power(factor: f64, bound: f64) -> Prepared {
-    plain(Demand::Samples(Functional::Power), factor, bound, "bus")
+/// The largest power that a joint draws, over `per` in the unit of the bound. A bound below zero, where standby alone takes more than there
+/// is, asks for power returned at every instant: of that the drive passes on a share.
+fn power(candidate: &Candidate, per: f64, bound: f64) -> Prepared {
+    let efficiency = candidate.robot.bus.drive_efficiency;
+    let reaches = if bound < 0.0 { Drawn::new(&candidate.robot.bus).arrives() } else { 1.0 / efficiency };
+    plain(Demand::Samples(Functional::Power), reaches / per, bound, "bus")
 }

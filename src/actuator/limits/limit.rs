@@ -69,6 +69,11 @@ impl Demand {
         }
     }
 
+    /// True if neither ratio nor motion enters it.
+    pub fn is_constant(&self) -> bool {
+        matches!(self, Demand::Constant(_))
+    }
+
     /// Whether it is dear at every ratio: a walk over all samples, or many where heat runs away. Such a limit is looked at
     /// where the others are kept.
     pub fn takes_a_walk(&self) -> bool {

@@ -19,6 +19,7 @@ mod speed;
 mod transmission;
 
 pub use super::candidate::{ASSUMED, Candidate, hottest};
+pub use asked::UNBOUNDED;
 pub use gear::{GEAR_LIFE, backdriving_torque};
 pub use limit::{Asked, Check, Class, Demand, Depends, Judge, Key, Limit, MONEY, Of, Remark, Verdict};
 pub use module::allows_spring;

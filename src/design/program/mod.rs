@@ -262,10 +262,11 @@ impl<'a> RatioProgram<'a> {
         None
     }
 
-    /// Limits that no ratio changes.
+    /// The violated limit whose demand no ratio changes, whatever the class of the limit is: a locked gear has no finite backdriving torque
+    /// at any ratio.
     fn fixed_limits(&self) -> Option<Infeasible> {
         for Limited { candidate, asked } in &self.limits {
-            if asked.limit.class != Class::Fixed {
+            if asked.limit.class != Class::Fixed && !asked.demand.is_constant() {
                 continue;
             }
             let (raw, sample) = asked.raw_demand(candidate, 1.0);

@@ -1,6 +1,7 @@
 //! Whether the equations are those of the literature and of the paper.
 
 mod audit;
+mod constraints;
 mod coupling;
 mod families;
 mod gear_limits;
