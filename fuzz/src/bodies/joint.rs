@@ -186,7 +186,7 @@ fn draw_asked(draw: &mut Draw) -> (Asked, f64) {
         )
         .unwrap();
     }
-    write!(asked.limits, "safety = {}", draw.pick(&[1.0, 1.2, 0.7])).unwrap();
+    write!(asked.limits, "safety = {}", draw.pick(&[1.0, 1.2, 1.5])).unwrap();
     if spring {
         let angle = speed * period / 6.0;
         let (stiffness, rest) = (torque / angle * draw.decades(-1.0, 1.0), angle * draw.decades(-1.0, 0.5));

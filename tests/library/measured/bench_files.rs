@@ -216,10 +216,10 @@ duty = { name = \"w\", unit = \"%\" }
 supply = { name = \"d\", unit = \"V\", scale = 0.5, bits = 16 }
 torque = {",
         ),
-        "t_ms,i,w,tau,d\n0,20,50,1,65535\n1,21,50,1,32767\n2,22,50,1,0\n3,23,50,1,32768\n",
+        "t_ms,i,w,tau,d\n0,120,50,1,65535\n1,121,50,1,32767\n2,122,50,1,0\n3,123,50,1,32768\n",
     );
-    close(channel(&bench, Channel::WindingTemperature), &[293.15, 294.15, 295.15, 296.15]);
-    close(channel(&bench, Channel::HousingTemperature), &[20.0, 21.0, 22.0, 23.0]);
+    close(channel(&bench, Channel::WindingTemperature), &[393.15, 394.15, 395.15, 396.15]);
+    close(channel(&bench, Channel::HousingTemperature), &[120.0, 121.0, 122.0, 123.0]);
     close(channel(&bench, Channel::Duty), &[0.5; 4]);
     close(channel(&bench, Channel::Supply), &[-0.5, 16383.5, 0.0, -16384.0]);
 }

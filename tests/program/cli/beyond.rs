@@ -41,10 +41,7 @@ fn a_robot_without_joints_is_an_error_in_every_command() {
         // One robot of a study is broken.
         let ran = run(&desk, &["study", "robot.toml", "--catalog", "motors.csv", "--out", "out", "--quiet"]);
         assert_eq!(ran.status, 1, "{}", ran.err);
-        assert_eq!(
-            fs::read_to_string(desk.path().join("out/errors.csv")).unwrap().matches("`joint` is").count() > 0,
-            true
-        );
+        assert!(fs::read_to_string(desk.path().join("out/errors.csv")).unwrap().contains("`joint` is"));
     }
     let empty = [
         ("design.toml", format!("joint = []\n{}", DESIGN.split("[[joint]]").next().unwrap()), READERS[13]),
