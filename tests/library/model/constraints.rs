@@ -36,7 +36,7 @@ const HEAD: &str =
     "id,terminals,current,resistance [ohm],torque_constant [N*m/A],rotor_inertia [kg*m^2],source,source_kind";
 
 fn motor(columns: &str, cells: &str) -> String {
-    format!("{HEAD}{columns}\nm,q_axis,q_axis,1,0.1,0,s,derived{cells}\n")
+    format!("{HEAD}{columns}\nm,q_axis,q_axis,1,0.1,1e-9,s,derived{cells}\n")
 }
 
 fn joint(bus: &str, joint: &str, points: &str) -> Robot {
@@ -80,9 +80,9 @@ fn a_locked_gear_has_no_ratio() {
 #[test]
 fn drive_and_leads_are_heated_by_the_current_of_saturated_iron() {
     let table = "id,terminals,current,resistance [ohm],torque_constant [N*m/A],rotor_inertia [kg*m^2],peak_torque [N*m],peak_torque_of,peak_current [A],continuous_current [A],source,source_kind\n\
-        m,q_axis,q_axis,0.05,0.1,0,3,motor,60,60,s,derived\n";
+        m,q_axis,q_axis,0.05,0.1,1e-9,3,motor,60,60,s,derived\n";
     let points = "{ torque = '28 N*m', speed = '5 rad/s', duration = '1 s' }";
-    let robot = joint("voltage = '400 V', drive_resistance = '0.2 ohm'", "", points);
+    let robot = joint("voltage = '400 V', drive_phase_resistance = '0.2 ohm'", "", points);
     let here = at(&robot, table, 10.0);
     // tanh(x)/x = 3/(0.1 · 60) with x = 60/i_s, by bisection; i = i_s atanh(T/(K_T i_s)).
     let (mut low, mut high) = (1e-6, 20.0);

@@ -239,7 +239,7 @@ fn breaking(code: &str) -> Case<'static> {
         "GW005" | "GW006" => motor(&[("thermal_resistance_housing_ambient", "200")]),
         "GW008" => robot(&[("\"48 V\"", "\"5 V\"")]),
         "GW009" => motor(&[("max_speed", "200")]),
-        "GW010" => robot(&[("\"6000 rpm\"", "\"200 rpm\"")]),
+        "GW010" => robot(&[("\"6000 rpm\"", "\"200 rpm\""), ("\"3000 rpm\"", "\"150 rpm\"")]),
         "GW011" => robot(&[("\"20 N*m\"", "\"3 N*m\"")]),
         "GW012" => robot(&[("\"12 N*m\"", "\"2 N*m\"")]),
         "GW013" => robot(&[("\"0.02 kg*m^2\"", "\"0.001 kg*m^2\"")]),
