@@ -171,7 +171,7 @@ fn draw_asked(draw: &mut Draw) -> (Asked, f64) {
     let middle = middle.clamp(1e-3, 1e4);
     draw_reduction(draw, &mut asked, [torque, inertia, middle], geared);
     let amplitude = 10.0 * torque * speed / constant.max(torque / speed * 1e-6);
-    write!(asked.bus, "voltage = '{:e} V'", amplitude.clamp(1e-6, 1e12)).unwrap();
+    write!(asked.bus, "voltage = '{:e} V'", amplitude.clamp(1e-6, 1e6)).unwrap();
     if draw.once_in(4) {
         asked.bus += ", modulation = 'sine'";
     }
@@ -332,15 +332,22 @@ fn draw_limits(
         (limits, "reflected_inertia", "reflected_inertia", "kg*m^2"),
         (limits, "actuator_mass", "actuator_mass", "kg"),
     ];
+    // A gear whose continuous torque is above its peak is refused.
+    let mut gear_peak = f64::INFINITY;
     for (table, key, name, unit) in keys {
-        if let Some(most) = allow(name) {
+        if let Some(mut most) = allow(name) {
+            match key {
+                "peak_torque" => gear_peak = most,
+                "continuous_torque" => most = most.min(gear_peak),
+                _ => {}
+            }
             write!(table(asked), ", {key} = '{most:e} {unit}'").unwrap();
         }
     }
     let (voltage, back) = (allow("voltage"), allow("regeneration"));
     if let Some(volt) = voltage {
         let rest = asked.bus.split_once(',').map_or(String::new(), |(_, rest)| format!(",{rest}"));
-        asked.bus = format!("voltage = '{:e} V'{rest}", (volt / 0.6).clamp(1e-12, 1e15));
+        asked.bus = format!("voltage = '{:e} V'{rest}", (volt / 0.6).clamp(1e-12, 1e6));
     }
     match draw.below(6) {
         0 => asked.bus += ", regeneration = 'none'",

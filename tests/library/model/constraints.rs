@@ -49,8 +49,9 @@ fn joint(bus: &str, joint: &str, points: &str) -> Robot {
 fn a_limit_below_zero_asks_for_power_returned() {
     let table = motor(",continuous_current [A]", ",50");
     let bus = "voltage = '100 V', drive_efficiency = 0.8, drive_standby_power = '5 W', power = '3 W'";
-    // 0.1 N·m/A and 10 A at 100 rad/s: 100 W returned less 100 W of heat and more.
-    for (torque, returned) in [(1.0, 10.0 - 1.0), (0.1, 1.0 - 0.01), (-2.0, -20.0 - 4.0)] {
+    // 1 A per N·m at the joint, 1 Ω at 25 °C and hot at 100 °C: power at the joint less the heat.
+    let hot = 1.0 + 0.003_93 / (1.0 + 0.003_93 * 5.0) * 75.0;
+    for (torque, returned) in [(1.0, 10.0 - hot), (0.1, 1.0 - 0.01 * hot), (-2.0, -20.0 - 4.0 * hot)] {
         let points = format!("{{ torque = '{} N*m', speed = '10 rad/s', duration = '1 s' }}", -torque);
         let evaluation = at(&joint(bus, "", &points), &table, 10.0);
         let (demand, margin) = margin(&evaluation, "bus_power");

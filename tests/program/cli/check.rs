@@ -240,7 +240,7 @@ fn breaking(code: &str) -> Case<'static> {
         "GW008" => robot(&[("\"48 V\"", "\"5 V\"")]),
         "GW009" => motor(&[("max_speed", "200")]),
         "GW010" => robot(&[("\"6000 rpm\"", "\"200 rpm\""), ("\"3000 rpm\"", "\"150 rpm\"")]),
-        "GW011" => robot(&[("\"20 N*m\"", "\"3 N*m\"")]),
+        "GW011" => robot(&[("\"20 N*m\"", "\"3 N*m\""), ("\"12 N*m\"", "\"2 N*m\"")]),
         "GW012" => robot(&[("\"12 N*m\"", "\"2 N*m\"")]),
         "GW013" => robot(&[("\"0.02 kg*m^2\"", "\"0.001 kg*m^2\"")]),
         "GW014" | "GW015" => robot(&[("\"1 N*m\" }", "\"300 N*m\" }")]),
@@ -252,7 +252,7 @@ fn breaking(code: &str) -> Case<'static> {
         "GW021" => robot(&[("\"40 mm\"", "\"20 mm\"")]),
         "GW022" => robot(&[("average_torque = \"5 N*m\"", "average_torque = \"0.5 N*m\"")]),
         "GW023" => robot(&[("\"44 N*m\"", "\"29 N*m\"")]),
-        "GW024" => robot(&[("\"45 N*m\"", "\"31 N*m\"")]),
+        "GW024" => robot(&[("\"45 N*m\"", "\"31 N*m\""), ("\"44 N*m\"", "\"30 N*m\"")]),
         "GW025" => robot(&[("\"3000 rpm\"", "\"10 rpm\"")]),
         "GW026" => robot(&[("life = \"10 h\"", "life = \"9999999 h\"")]),
         "GW027" => robot(&[("\"2 arcmin\"", "\"0.5 arcmin\"")]),
@@ -296,9 +296,10 @@ fn breaking(code: &str) -> Case<'static> {
         }
         "GW042" => design(&[("ratio = 9", "gear = \"planetary-9\"")]),
         // Kept without the safety factor, but barely.
-        "GW101" => {
-            Case { robot: &[("safety = 1.2", "safety = 1.0"), ("\"20 N*m\"", "\"3.6 N*m\"")], ..Case::default() }
-        }
+        "GW101" => Case {
+            robot: &[("safety = 1.2", "safety = 1.0"), ("\"20 N*m\"", "\"3.6 N*m\""), ("\"12 N*m\"", "\"2 N*m\"")],
+            ..Case::default()
+        },
         "GW102" => robot(&[
             ("safety = 1.2", "safety = 1.0"),
             ("\"1 N*m\" }", "\"0.01 N*m\" }"),
