@@ -2,6 +2,7 @@
 //!
 //! The one idea: a limit is far beyond what real files have and short of what brings a machine down. What is beyond
 //! it is refused with the limit and with what to do; nothing is ever cut off.
+#![cfg_attr(not(feature = "measured"), allow(dead_code, unused_imports))]
 
 use super::Problem;
 

@@ -40,32 +40,6 @@ fn a_blank_before_a_unit_is_not_needed() {
     assert_eq!(run(&folder, &["optimize", "robot.toml"]).status, 2);
 }
 
-/// A factor below one is told in text, JSON and on the page; one of one and more is not.
-#[test]
-fn a_safety_below_one_is_told() {
-    let folder = folder();
-    const TOLD: &str = "the requirement's factor is below 1";
-    let base = ["optimize", "robot.toml", "--catalog", "motors.csv"];
-    for (safety, is) in [("0.9", true), ("1", false), ("1.2", false)] {
-        let set = format!("joint.knee.limits.safety={safety}");
-        let with = |more: &[&str]| {
-            let ran = run(&folder, &[&base[..], &["--set", &set], more].concat());
-            assert_eq!(ran.status, 0, "{}", ran.err);
-            ran.out.split_whitespace().collect::<Vec<_>>().join(" ")
-        };
-        assert_eq!(with(&[]).contains(TOLD), is, "{safety}");
-        assert_eq!(with(&["--json"]).contains(TOLD), is, "{safety}");
-        with(&["--html", "a.html"]);
-        assert_eq!(
-            fs::read_to_string(folder.path().join("a.html")).unwrap().contains("factor is below 1"),
-            is,
-            "{safety}"
-        );
-        let explain = run(&folder, &["explain", "alpha-1", "robot.toml", "--catalog", "motors.csv", "--set", &set]);
-        assert_eq!(explain.out.contains("factor is below"), is, "{safety}: {}", explain.out);
-    }
-}
-
 /// A winding that no temperature balances has none in the text, and one within its limits has.
 #[test]
 fn heat_without_end_is_called_thermal_runaway() {
