@@ -167,7 +167,7 @@ fn what_does_not_go_with_a_map_is_refused_with_its_place() {
             assert!(collapsed(&ran.err).contains(what), "{name}: `{what}` is not in\n{}", ran.err);
         }
     }
-    let map = MAP.replace("max_input_speed [rpm]", "continuous_torque [N*m]");
+    let map = MAP.replace("max_input_speed [rpm]", "continuous_torque [N*m]").replace("9000", "8");
     let life = "[joint.limits]\nlife = \"9000 h\"";
     let ran = with(&map, &[("[joint.limits]", life)], OPTIMIZE);
     assert!(ran.status == 2 && collapsed(&ran.err).contains("`life` is not judged"), "{}", ran.err);
