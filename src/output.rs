@@ -64,7 +64,7 @@ fn write(path: &Path, bytes: &[u8], place: impl Fn(&Path) -> Result<Place, Strin
     written.map_err(|e| fail(reason(&e)))
 }
 
-/// Whether a file can be written, before the work whose result it is to hold.
+/// Check that a file can be written, before the work whose result it is to hold.
 ///
 /// # Errors
 /// As [`write_whole`], but for what is only seen when it is written.

@@ -140,7 +140,7 @@ kinds! {
     RATIO = "pure number", [0, 0, 0, 0, 0], Exactly(0.0), "1", "0.95";
 }
 
-/// What no machine that this program speaks of comes near; of other kinds [`LARGEST`] alone holds. Copper has no resistance left at
+/// Bounds that no machine of this field comes near; of other kinds [`LARGEST`] alone holds. Copper has no resistance left at
 /// 39 K in the law by which it is computed.
 const BOUNDS: &[(&Kind, [f64; 2])] = &[
     (&TORQUE, [-1e12, 1e12]),
@@ -162,13 +162,13 @@ impl Kind {
         format!("{article} {}", self.name)
     }
 
-    /// The least and the most \[SI\] that a number of it may be: what is beyond is a slip of the pen or of the unit.
+    /// Least and largest plausible value \[SI\]: a number beyond them is a slip of the pen or of the unit.
     pub fn bounds(&self) -> [f64; 2] {
         let known = BOUNDS.iter().find(|(kind, _)| kind.name == self.name);
         known.map_or([-LARGEST, LARGEST], |(_, bounds)| *bounds)
     }
 
-    /// Whether a number of it \[SI\] is within its bounds.
+    /// True if a number of it \[SI\] is within its bounds.
     pub fn holds(&self, value: f64) -> bool {
         let [least, most] = self.bounds();
         (least..=most).contains(&value)

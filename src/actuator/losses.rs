@@ -70,7 +70,7 @@ pub struct LossTerms {
 }
 
 impl LossTerms {
-    /// Of an actuator that carries a load, with the drive's standby power \[W\].
+    /// The terms of an actuator that carries a load, with the drive's standby power \[W\].
     pub fn new(load: &Load, actuator: &Actuator, standby: f64) -> LossTerms {
         let power = |form: &ShaftForm| load.mean_shaft_power(|_| *form);
         let through = |flow| ShaftForm::of(Feature::Load, actuator.torque_form(flow)[Feature::Load] - 1.0);

@@ -30,7 +30,7 @@ impl Signals {
         self.asked.clone()
     }
 
-    /// Whether a signal has come.
+    /// True if a signal has arrived.
     pub fn have_come(&self) -> bool {
         self.asked.load(Ordering::Relaxed)
     }

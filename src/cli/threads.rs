@@ -25,12 +25,12 @@ pub fn shared_out(threads: Option<u16>, work: impl FnOnce() -> Result<Done, Fail
     }
 }
 
-/// Whether the threads that all commands of a process share are there; they are started once.
+/// Start the threads that all commands of a process share, once; true if they are there.
 fn are_there() -> bool {
     static THERE: OnceLock<bool> = OnceLock::new();
     *THERE.get_or_init(|| match ThreadPoolBuilder::new().build_global() {
         Ok(()) => true,
-        // Who uses the library may have started them.
+        // A user of the library may have started them.
         Err(error) => format!("{error:?}").contains("GlobalPoolAlreadyInitialized"),
     })
 }

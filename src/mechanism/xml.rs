@@ -293,7 +293,7 @@ mod tests {
         assert!(document(&deep(limits::DEPTH)).is_ok());
         let problem = document(&deep(limits::DEPTH + 1)).unwrap_err();
         assert_eq!(problem.span.unwrap().start, limits::DEPTH * "<e x='1'>".len());
-        // What is no XML is left to the parser.
+        // Text that is not XML is left to the parser.
         for text in ["", "<", "<a", "<a x='", "<!-- ", "</a>", "<a></b>", "<>", "<é='\"é>"] {
             assert!(oversized(text).is_none() && document(text).is_err(), "{text}");
         }

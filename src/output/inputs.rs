@@ -11,14 +11,14 @@ use std::hash::{Hash, Hasher};
 use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// What a run has done with a file.
+/// Use that a run has made of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Use {
     Read,
     Written,
 }
 
-/// What the runs that are open have read and written, by a hash of the file's identity: a study reads millions of files.
+/// Files that the open runs have read and written, by a hash of the file's identity: a study reads millions of files.
 #[derive(Debug, Default)]
 struct Known {
     runs: usize,

@@ -62,7 +62,7 @@ impl Drop for Lock {
     }
 }
 
-/// Whether an open file is the one that a path leads to.
+/// True if an open file is the one that a path leads to.
 #[cfg(unix)]
 fn is_at(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;

@@ -26,7 +26,7 @@ const MARK: &str = ".study";
 const NAMES: [&str; 3] = ["plan.json", "shard", "list.txt"];
 /// Name of the lock.
 const LOCK: &str = ".study.lock";
-/// What stands in the lock of a folder that a study has written results into.
+/// Content of the lock of a folder that a study has written results into.
 const MARKED: &str = "The results in this folder were written by `gearwise study`, which may replace them.\n";
 /// Digits of a line's checksum.
 const DIGITS: usize = 16;
@@ -260,13 +260,13 @@ impl Journal {
     }
 }
 
-/// Whether a study has made a journal's folder: it is marked, or, of an earlier version, has the plan of one.
+/// True if a study has made a journal's folder: it is marked, or, of an earlier version, has the plan of one.
 fn is_own(folder: &Path) -> bool {
     let planned = || fs::read(folder.join("plan.json")).ok().and_then(|text| serde_json::from_slice(&text).ok());
     folder.join(MARK).is_file() || planned().is_some_and(|plan: serde_json::Value| plan.get("gearwise").is_some())
 }
 
-/// Whether a file of a journal's folder is the journal's by its name, or what a killed process has left of one.
+/// True if a file of a journal's folder is the journal's by its name, or a remnant of one from a killed process.
 fn is_own_name(name: &str) -> bool {
     let is_block = |name: &str| {
         let number = name.strip_prefix("block-").and_then(|rest| rest.strip_suffix(".jsonl"));
@@ -365,7 +365,7 @@ impl Lock {
         written.map_err(|e| StudyError::file("write", &path, &e))
     }
 
-    /// Whether a study has written the results in a folder.
+    /// True if a study has written the results in a folder.
     pub fn is_marked(out: &Path) -> bool {
         fs::read(out.join(LOCK)).is_ok_and(|text| text == MARKED.as_bytes())
     }

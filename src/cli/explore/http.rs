@@ -382,7 +382,7 @@ struct Places(Mutex<Vec<Arc<Seat>>>);
 struct Seat {
     /// Since when a request, or that a response is taken, is waited for; nothing while the server is at a request.
     waits: Mutex<Option<Instant>>,
-    /// Whether it is to make room: its place is another's already.
+    /// True if it is to make room: its place belongs to another connection already.
     leaves: AtomicBool,
 }
 
@@ -401,7 +401,7 @@ impl Places {
     fn take(&self) -> Option<Place<'_>> {
         let mut seats = self.seats();
         let staying = seats.iter().filter(|seat| !seat.leaves.load(Ordering::Acquire)).count();
-        // Who leaves is still there for a moment.
+        // A connection that makes room takes a moment to end.
         let is_free = staying < MAX_CONNECTIONS && seats.len() < 2 * MAX_CONNECTIONS;
         is_free.then(|| {
             let seat = Arc::new(Seat { waits: Mutex::default(), leaves: AtomicBool::new(false) });
@@ -437,7 +437,7 @@ impl Place<'_> {
         *self.seat.waits.lock().unwrap_or_else(PoisonError::into_inner) = None;
     }
 
-    /// Whether it is to make room.
+    /// True if it is to make room.
     fn leaves(&self) -> bool {
         self.seat.leaves.load(Ordering::Acquire)
     }
@@ -488,7 +488,7 @@ impl<'a> Connection<'a> {
         Ok(Connection { stream, server, stop, place, buffer: Vec::new() })
     }
 
-    /// Whether it is to end, whatever its client does.
+    /// True if it is to end, whatever its client does.
     fn ends(&self) -> bool {
         (self.stop)() || self.place.leaves()
     }

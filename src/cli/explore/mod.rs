@@ -206,7 +206,7 @@ impl Flying {
         *self.heard.lock().unwrap_or_else(PoisonError::into_inner) = Instant::now();
     }
 
-    /// Whether its page has gone: one that waits for more asks again at once.
+    /// True if its page has gone: one that waits for more asks again at once.
     fn is_left(&self) -> bool {
         self.heard.lock().unwrap_or_else(PoisonError::into_inner).elapsed() > SILENT
     }

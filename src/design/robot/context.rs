@@ -57,7 +57,7 @@ pub(super) struct Context<'a> {
     /// When a search gives what it has.
     pub enough: Option<&'a (dyn Fn() -> bool + Sync)>,
     searched: Searched<'a>,
-    /// What searches did so far, and may do.
+    /// Steps that the searches have taken, and their limit.
     pub work: Work,
     /// Menus of the joints that carry nothing.
     pub certain: Vec<Option<Arc<Menu<'a>>>>,
@@ -83,7 +83,7 @@ pub(super) struct Context<'a> {
     prices: Vec<Price>,
     /// What power costs by the last combination that was too much for the bus.
     pub too_much: Option<Price>,
-    /// The same, until it is made an excess of.
+    /// The same, until an excess is made of it.
     shown: Option<Price>,
     /// Least power that a combination which was too much for the bus could do with \[W\].
     pub least_power: f64,
@@ -524,7 +524,7 @@ impl<'a> Context<'a> {
         excesses.into_iter().chain(tables.into_iter().skip(few).map(|(.., table)| table)).collect()
     }
 
-    /// What each way to build each joint draws at least at the instants at which the last combination drew too much, less the budget.
+    /// Least power of each way to build each joint at the instants at which the last combination drew too much, less the budget.
     fn excess(&mut self) -> Option<Table> {
         let (price, limit) = self.shown.take().filter(|_| self.is_certain()).zip(self.limit())?;
         let (weights, _) = self.powers(&price.shares());

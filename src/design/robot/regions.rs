@@ -339,7 +339,7 @@ fn rule_out_too_much(region: &mut Region) {
     }
 }
 
-/// What each way to build each joint draws at least at the instants at which some combination drew too much, less what its mass is worth
+/// Least power of each way to build each joint at the instants at which some combination drew too much, less what its mass is worth
 /// to those that carry it; `None` where none drew too much.
 fn too_much(context: &mut Context, ways: &[Vec<usize>]) -> Option<Table> {
     let price = context.too_much.as_ref().map(Price::of_all).filter(|price| !price.rows.is_empty())?;

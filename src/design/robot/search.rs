@@ -17,7 +17,7 @@ const MAX_NODES: usize = 2_000_000;
 
 /// Excesses over a budget that are kept, the last ones.
 const EXCESSES: usize = 12;
-/// What is beyond a budget by this share of it certainly is.
+/// Share of a budget beyond which it is certainly exceeded.
 const SURELY: f64 = 1e-7;
 
 /// Costs that are looked up in a step of [`Work`](super::work::Work).
@@ -42,7 +42,7 @@ pub(super) struct Table {
 }
 
 impl Table {
-    /// What is above this is beyond the budget of an excess, and not by rounding.
+    /// Values above this exceed the budget of an excess by more than rounding.
     fn surely(&self) -> f64 {
         SURELY * self.offset.abs()
     }

@@ -144,7 +144,7 @@ impl Price {
         self.rows.iter().map(|(places, price)| (Shared::Power(places.clone()), *price)).collect()
     }
 
-    /// Of the power of all joints alone, without what single drives ask for.
+    /// The rows of the power of all joints alone, without those of single drives.
     pub(super) fn of_all(&self) -> Price {
         Price { rows: self.rows.iter().filter(|(places, _)| places.drive.is_none()).cloned().collect() }
     }
@@ -222,7 +222,7 @@ struct Program<'p> {
     known: Known<'p>,
 }
 
-/// What all joints of a combination share.
+/// The constraints that all joints of a combination share.
 #[derive(Clone, Copy)]
 pub(super) struct Shares<'s> {
     pub schedule: &'s Schedule,

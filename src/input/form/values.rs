@@ -34,7 +34,7 @@ impl Section<'_> {
         self.in_range(number.unwrap_or(f64::NAN), value.span(), key, range)
     }
 
-    /// A quantity that is none of this world is a slip.
+    /// Note a quantity outside the bounds of its kind.
     fn in_bounds(&self, number: f64, span: Span<usize>, key: &str, kind: &'static Kind) -> Option<f64> {
         if kind.holds(number) {
             return Some(number);

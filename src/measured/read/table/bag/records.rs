@@ -60,7 +60,7 @@ pub fn each(file: &File, take: &mut dyn FnMut(Event) -> bool) -> Result<(), Prob
     let mut magic = [0; MAGIC.len()];
     from.read_exact(&mut magic).map_err(|e| cut(&e))?;
     let mut content = Vec::new();
-    // What chunks may still unpack to.
+    // Bytes that chunks may still unpack to.
     let mut room = limits::unpacked(file.metadata().map_or(0, |m| m.len()));
     loop {
         let opcode = record(&mut from, &mut content)?;
@@ -249,7 +249,7 @@ mod tests {
             assert_eq!(room, left);
         }
         assert!(chunk(&content, &mut room, &mut |_| true).is_err());
-        // What is said to be small and is not.
+        // A size that is stated too small.
         assert!(chunk(&of(400, "zstd", &packed), &mut room, &mut |_| true).is_err());
     }
 }
