@@ -33,8 +33,9 @@ pub enum Series {
     Texts(Vec<String>),
 }
 
+#[cfg(feature = "parquet")]
 impl Series {
-    /// How many there are.
+    /// Number of values.
     pub fn len(&self) -> usize {
         match self {
             Series::Numbers(values) | Series::Stamps(values) => values.len(),
