@@ -56,6 +56,23 @@ pub struct Sample {
     pub acceleration: Vec<f64>,
 }
 
+impl Trajectory {
+    /// The same path `speed` times as fast: the same positions in less time, under the same outer forces.
+    #[must_use]
+    pub fn faster(&self, speed: f64) -> Trajectory {
+        let mut faster = self.clone();
+        faster.time.iter_mut().for_each(|time| *time /= speed);
+        faster.velocity.iter_mut().flatten().for_each(|velocity| *velocity *= speed);
+        faster.acceleration.iter_mut().flatten().for_each(|acceleration| *acceleration *= speed * speed);
+        faster.course = match self.course {
+            Course::Periodic(lasts) => Course::Periodic(lasts / speed),
+            Course::Once(lasts) => Course::Once(lasts / speed),
+            other => other,
+        };
+        faster
+    }
+}
+
 impl Sample {
     /// As the dynamics take it.
     pub fn state(&self) -> State<'_> {

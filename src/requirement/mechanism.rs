@@ -53,6 +53,8 @@ pub(super) struct Known {
     separate: bool,
     /// After what time a trajectory that happens once is made again \[s\].
     repeat_every: Option<f64>,
+    /// Speed factor on all motions once they are read.
+    overall: f64,
 }
 
 impl Known {
@@ -71,6 +73,8 @@ pub(super) struct Use {
     pub(super) said: std::ops::Range<usize>,
     /// Force over torque of the screw or belt that moves a sliding joint \[1/m\] inverted: travel per radian \[m\].
     travel: Option<f64>,
+    /// Speed of the joint in the end over that of the trajectory.
+    speed: f64,
 }
 
 /// Reads `[mechanism]`, its files, and computes the torques.
@@ -111,7 +115,7 @@ fn read_section(section: &Section, motions: &mut MotionReader) -> Option<Known> 
     let torques = torques::torques(&mechanism, &trajectory, friction);
     let separate = actuators?;
     let repeat_every = repeat_every(section, every, trajectory.course);
-    Some(Known { model, mechanism, trajectory, torques, separate, repeat_every })
+    Some(Known { model, mechanism, trajectory, torques, separate, repeat_every, overall: motions.speed })
 }
 
 const ACTUATOR_AT: Key = key("actuator_at", "with `mechanism_joint`: where the actuator sits").default("at the joint");
@@ -234,15 +238,23 @@ pub(super) fn read_joint(section: &Section, scale: Option<Scale>, model: &Model)
         }
     };
     let travel = lead.filter(|_| !turns).map(|lead| lead / std::f64::consts::TAU);
-    let motion = known.torques.motion_at_every_instant(&known.trajectory, joint);
+    // Faster is more than the torque of the slow trajectory: time is scaled before the dynamics, also for what plays all motions faster later.
+    let speed = known.overall * scale.map_or(1.0, |scale| scale.speed);
+    let motion = if speed == 1.0 {
+        known.torques.motion_at_every_instant(&known.trajectory, joint)
+    } else {
+        let faster = known.trajectory.faster(speed);
+        let torques = torques::torques(mechanism, &faster, known.torques.joint_friction);
+        torques.motion_at_every_instant(&faster, joint).scaled(1.0, 1.0 / known.overall)
+    };
     let motion = travel.map_or_else(|| motion.clone(), |r| through_screw(&motion, r));
-    Some((again(section, known, scale, motion)?, Use { joint, place, said, travel }))
+    Some((again(section, known, scale, motion)?, Use { joint, place, said, travel, speed }))
 }
 
-/// The motion as the joint scales it, made again after the time that the mechanism says.
+/// The motion with the torque as the joint scales it, made again after the time that the mechanism says.
 fn again(section: &Section, known: &Known, scale: Option<Scale>, motion: Motion) -> Option<Motion> {
     let mut motion = match scale {
-        Some(scale) => motion.scaled(scale.torque, scale.speed),
+        Some(scale) => motion.scaled(scale.torque, 1.0),
         None => motion,
     };
     motion.repeat_every = known.repeat_every;
@@ -278,11 +290,20 @@ pub(super) fn driven(model: Model, uses: &[Option<Use>]) -> Option<Driven> {
         places[u.joint] = u.place;
     }
     let mut carried = Vec::new();
-    for pair in torques::torques_per_mass(&mechanism, &trajectory, &places) {
+    // Each joint feels what it carries as fast as it is asked to move.
+    let mut speeds: Vec<f64> = uses.iter().flatten().map(|u| u.speed).collect();
+    speeds.sort_by(f64::total_cmp);
+    speeds.dedup();
+    let at = |speed: f64| {
+        let pairs = torques::torques_per_mass(&mechanism, &trajectory.faster(speed), &places);
+        pairs.into_iter().map(move |pair| (speed, pair))
+    };
+    for (speed, pair) in speeds.into_iter().flat_map(at) {
         // A joint of the mechanism may serve several joints of the requirement, or none.
         let by =
             |joint: usize| uses.iter().enumerate().filter(move |(_, u)| u.as_ref().is_some_and(|u| u.joint == joint));
-        for (carrying, u) in by(pair.carrying) {
+        let as_fast = |(_, u): &(usize, &Option<Use>)| u.as_ref().is_some_and(|u| u.speed == speed);
+        for (carrying, u) in by(pair.carrying).filter(as_fast) {
             let travel = u.as_ref().and_then(|u| u.travel).unwrap_or(1.0);
             for (actuator, _) in by(pair.actuator) {
                 let coefficients: Vec<f64> = pair.coefficients.iter().map(|c| c * travel).collect();

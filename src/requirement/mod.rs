@@ -38,7 +38,7 @@ pub use limits::{Arrangement, LIMIT_NAMES, Limits, Ripple, Spring, TorqueBandwid
 pub use motions::{FromDisk, Motions};
 pub use objective::{Balance, Balancing, Extreme, Objective, Quantity};
 pub use prices::{MOST_YEARS, NoPrice, Prices};
-pub use read::{describe, read, read_changed, read_source, read_without_springs};
+pub use read::{describe, read, read_changed, read_scaled, read_source, read_without_springs};
 pub use robot::{Budget, Carried, Filter, Joint, Peaks, Robot, RobotCase};
 pub use set::Settings;
 pub use teeth::{LEAST_TEETH, NoTeeth, Stage, Teeth, Toothed, Train, trains};

@@ -62,11 +62,13 @@ pub(super) struct MotionReader<'m> {
     pub(super) errors: Vec<InputError>,
     /// The files that were opened.
     pub(super) opened: Vec<Arc<Source>>,
+    /// Speed factor on all motions once they are read.
+    pub(super) speed: f64,
 }
 
 impl<'m> MotionReader<'m> {
-    pub(super) fn new(motions: &'m mut dyn Motions) -> MotionReader<'m> {
-        MotionReader { motions, errors: Vec::new(), opened: Vec::new() }
+    pub(super) fn new(motions: &'m mut dyn Motions, speed: f64) -> MotionReader<'m> {
+        MotionReader { motions, errors: Vec::new(), opened: Vec::new(), speed }
     }
 
     pub(super) fn open(&mut self, path: &Path) -> Result<Arc<Source>, InputError> {
@@ -75,7 +77,7 @@ impl<'m> MotionReader<'m> {
 
     /// What reads a transmission, with the files that it may name.
     pub(super) fn with_files<T>(&mut self, read: impl FnOnce(&mut Files) -> T) -> T {
-        let MotionReader { motions, errors, opened } = self;
+        let MotionReader { motions, errors, opened, .. } = self;
         read(&mut Files { open: &mut |path| open(*motions, opened, path), errors })
     }
 }

@@ -29,7 +29,7 @@ pub fn read(path: &Path) -> Result<Robot, Vec<InputError>> {
 /// # Errors
 /// As [`read`], and every spring.
 pub fn read_without_springs(path: &Path, what: &str) -> Result<Robot, Vec<InputError>> {
-    read_as(&Source::read(path).map_err(|e| vec![e])?, &[], Some(what), &mut FromDisk::default())
+    read_as(&Source::read(path).map_err(|e| vec![e])?, &[], Some(what), &mut FromDisk::default(), [1.0; 2])
 }
 
 /// Reads a requirement from a source; motions are looked for beside it.
@@ -37,7 +37,7 @@ pub fn read_without_springs(path: &Path, what: &str) -> Result<Robot, Vec<InputE
 /// # Errors
 /// As [`read`].
 pub fn read_source(source: &Arc<Source>) -> Result<Robot, Vec<InputError>> {
-    read_as(source, &[], None, &mut FromDisk::default())
+    read_as(source, &[], None, &mut FromDisk::default(), [1.0; 2])
 }
 
 /// As [`read_source`], with values in the place of the file's own, and motions from a store.
@@ -49,7 +49,20 @@ pub fn read_changed(
     changes: &[Change],
     motions: &mut dyn Motions,
 ) -> Result<Robot, Vec<InputError>> {
-    read_as(source, changes, None, motions)
+    read_as(source, changes, None, motions, [1.0; 2])
+}
+
+/// As [`read_changed`], with factors on torque and speed of all motions.
+///
+/// # Errors
+/// As [`read_changed`].
+pub fn read_scaled(
+    source: &Arc<Source>,
+    changes: &[Change],
+    factors: [f64; 2],
+    motions: &mut dyn Motions,
+) -> Result<Robot, Vec<InputError>> {
+    read_as(source, changes, None, motions, factors)
 }
 
 /// Every table that the reader looks into.
@@ -97,7 +110,7 @@ rods = [{}]
 /// What the reader asks for.
 pub fn describe() -> Description {
     let mut motions = FromDisk::default();
-    let mut reader = MotionReader::new(&mut motions);
+    let mut reader = MotionReader::new(&mut motions, 1.0);
     Form::describe(SKELETON, |root| read_robot(root, None, &mut reader))
 }
 
@@ -107,7 +120,7 @@ pub(super) fn bare_numbers(
     changes: &[Change],
     motions: &mut dyn Motions,
 ) -> Vec<(std::ops::Range<usize>, &'static str)> {
-    let mut reader = MotionReader::new(motions);
+    let mut reader = MotionReader::new(motions, 1.0);
     Form::bare_numbers(source, changes, |root| read_robot(root, None, &mut reader))
 }
 
@@ -116,12 +129,26 @@ pub(super) fn read_as(
     changes: &[Change],
     no_springs: Option<&str>,
     motions: &mut dyn Motions,
+    [torque, speed]: [f64; 2],
 ) -> Result<Robot, Vec<InputError>> {
-    let mut reader = MotionReader::new(motions);
+    let mut reader = MotionReader::new(motions, speed);
     let robot = Form::read_changed(source, changes, |root| read_robot(root, no_springs, &mut reader));
-    let robot = robot.map(|robot| Robot { set: changes.iter().map(Change::said).collect(), ..robot });
+    let robot = robot.map(|mut robot| {
+        scale(&mut robot, torque, speed);
+        Robot { set: changes.iter().map(Change::said).collect(), ..robot }
+    });
     let read = Form::with_others(robot, reader.errors);
     read.map_err(|errors| kind::instead_of_all(errors, source, &[FileKind::Requirement]))
+}
+
+/// Multiplies the motions of all joints: torques by the one factor; the same positions at another speed by the other.
+fn scale(robot: &mut Robot, torque: f64, speed: f64) {
+    // As it is, it is shared.
+    if (torque, speed) == (1.0, 1.0) {
+        return;
+    }
+    let joints = std::mem::take(&mut robot.joints);
+    robot.joints = joints.into_iter().map(|joint| joint.scaled(torque, speed)).collect();
 }
 
 fn read_robot(root: &Section, no_springs: Option<&str>, motions: &mut MotionReader) -> Option<Robot> {

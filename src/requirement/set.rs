@@ -158,7 +158,7 @@ impl Settings {
     ) -> Result<Robot, Vec<InputError>> {
         let ([torque, speed], factors) = self.factors();
         let changes: Vec<Change> = self.changes.iter().filter(|c| !is_scale(c.key())).cloned().collect();
-        let robot = read::read_as(source, &changes, no_springs, motions);
+        let robot = read::read_as(source, &changes, no_springs, motions, [torque, speed]);
         let wrong = |problem: Problem| InputError { source: source.clone(), problems: vec![problem] };
         let mut robot = match (robot, factors.is_empty()) {
             (Ok(robot), true) => robot,
@@ -168,7 +168,6 @@ impl Settings {
                 return Err(Change::send_home(errors, &self.homes));
             }
         };
-        scale(&mut robot, torque, speed);
         robot.set = self.changes.iter().map(Change::said).collect();
         Ok(robot)
     }
@@ -291,16 +290,6 @@ fn scale_all(document: &mut DocumentMut, name: &str, factor: f64) {
         Some(cases) => each_table(cases, one),
         None => one(joint),
     });
-}
-
-/// Multiplies the motions of all joints: torques by the one factor; the same positions at another speed by the other.
-pub fn scale(robot: &mut Robot, torque: f64, speed: f64) {
-    // As it is, it is shared.
-    if (torque, speed) == (1.0, 1.0) {
-        return;
-    }
-    let joints = std::mem::take(&mut robot.joints);
-    robot.joints = joints.into_iter().map(|joint| joint.scaled(torque, speed)).collect();
 }
 
 /// The key of a design file.

@@ -219,15 +219,11 @@ impl Worker<'_> {
         let (changes, scale) = self.grid.at(point);
         let read = self.store.open(&self.base.join(requirement)).map_err(|e| vec![e]).and_then(|(source, hash)| {
             reading.note(Path::new(requirement), &hash);
-            requirement::read_changed(&source, &changes, &mut reading)
+            requirement::read_scaled(&source, &changes, [scale.torque, scale.speed], &mut reading)
         });
         let robot = read.map_err(|errors| Change::send_home(errors, self.homes));
-        let scaled = robot.map(|mut robot| {
-            requirement::set::scale(&mut robot, scale.torque, scale.speed);
-            robot
-        });
         let inputs = reading.inputs.into_iter().map(|(path, hash)| (super::plan::path_name(&path), hash)).collect();
-        (scaled, inputs)
+        (robot, inputs)
     }
 
     /// Does the work of one robot; `stop` as that of [`Options`].
