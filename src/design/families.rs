@@ -9,7 +9,9 @@ use std::sync::Arc;
 use super::mount::gear_model;
 use crate::catalog::family::{Covers, Family};
 use crate::catalog::{Catalog, GEAR_FIELDS, Gear};
-use crate::requirement::{Arrangement, Filter, GearMap, GearModel, GearsFrom, Joint, MapRow, RatioChoice, Robot};
+use crate::requirement::{
+    Arrangement, Filter, GearMap, GearModel, GearsFrom, Joint, MapRow, Prices, RatioChoice, Robot,
+};
 use crate::words::nearest;
 
 /// The columns that are interpolated between two points: all say them, or none.
@@ -44,7 +46,9 @@ pub fn settled(robot: Robot, catalog: &Catalog) -> Result<Robot, String> {
 /// # Errors
 /// As of [`settled`].
 pub fn settle(robot: Robot, catalog: &Catalog) -> Result<Robot, String> {
-    let joints = robot.joints.into_iter().map(|joint| with_map(joint, catalog)).collect::<Result<_, _>>()?;
+    let prices = robot.prices.clone();
+    let joints =
+        robot.joints.into_iter().map(|joint| with_map(joint, catalog, prices.as_ref())).collect::<Result<_, _>>()?;
     Ok(Robot { joints, ..robot })
 }
 
@@ -96,7 +100,7 @@ pub(super) fn check(joint: &Joint, patterns: &[String], catalog: &Catalog) -> Re
 }
 
 /// A joint with ratios between the points of a family: with the family as its gear map. Any other as it is.
-fn with_map(joint: Joint, catalog: &Catalog) -> Result<Joint, String> {
+fn with_map(joint: Joint, catalog: &Catalog, prices: Option<&Prices>) -> Result<Joint, String> {
     let RatioChoice::Catalog { patterns, from: GearsFrom::Families { between: true }, .. } = &joint.ratio else {
         return Ok(joint);
     };
@@ -107,7 +111,7 @@ fn with_map(joint: Joint, catalog: &Catalog) -> Result<Joint, String> {
         let names = if names.is_empty() { "none".into() } else { names.join(", ") };
         return wrong(format!("`between = true` takes one family; {} names {names}", patterns.join(", ")));
     };
-    let (map, base) = match map(family) {
+    let (map, base) = match map(family, prices) {
         Ok(made) => made,
         Err(why) => return wrong(format!("no ratios between the points of `{}`: {why}", family.name)),
     };
@@ -118,11 +122,18 @@ fn with_map(joint: Joint, catalog: &Catalog) -> Result<Joint, String> {
         ("max_backlash", "backlash", limits.max_backlash.is_some() && base.backlash.is_none()),
         ("min_stiffness", "stiffness", limits.min_stiffness.is_some() && base.stiffness.is_none()),
     ];
+    // A price that is unknown at a point is unknown between the points as well: that is no difference.
+    let is_priced = |point: &Gear| prices.is_some_and(|prices| prices.of(&point.offer).is_ok());
+    let differs_in_price = base.price.is_none() && family.points.iter().all(is_priced);
+    let asked = asked.into_iter().chain([
+        ("price", "price", limits.price.is_some() && differs_in_price),
+        ("lead_time", "lead_time", limits.lead_time.is_some() && base.lead_time.is_none()),
+    ]);
     let says = |column: &str| {
         let field = GEAR_FIELDS.iter().find(|field| field.name == column);
         field.is_some_and(|field| family.points.iter().any(|point| (field.get)(point).is_some()))
     };
-    if let Some((limit, ..)) = asked.iter().find(|(_, column, unknown)| *unknown && says(column)) {
+    if let Some((limit, ..)) = asked.into_iter().find(|(_, column, unknown)| *unknown && says(column)) {
         return wrong(format!(
             "the points of `{}` differ in what `{limit}` asks for, and between two of them it is not known; leave `between` out: the \
              points can be judged",
@@ -137,7 +148,7 @@ fn with_map(joint: Joint, catalog: &Catalog) -> Result<Joint, String> {
 }
 
 /// The gear map through the points of a family, and what none of its columns says.
-fn map(family: &Family) -> Result<(GearMap, GearModel), String> {
+fn map(family: &Family, prices: Option<&Prices>) -> Result<(GearMap, GearModel), String> {
     for field in GEAR_FIELDS {
         let of = |point: &Gear| (field.get)(point).map(|printed| printed.value);
         let says = family.points.iter().filter(|point| of(point).is_some()).count();
@@ -154,7 +165,10 @@ fn map(family: &Family) -> Result<(GearMap, GearModel), String> {
     let rows: Vec<(MapRow, String)> =
         family.points.iter().zip(&models).map(|(point, model)| (row(point, model), point.id.clone())).collect();
     let map = GearMap::of_points(&family.name, &rows).ok_or("it has one point alone")?;
-    Ok((map, shared(&models)))
+    let price = |point: &Gear| prices.and_then(|prices| prices.of(&point.offer).ok());
+    let first = family.points.first().and_then(price);
+    let price = first.filter(|_| family.points.iter().all(|point| price(point) == first));
+    Ok((map, GearModel { price, ..shared(&models) }))
 }
 
 /// A point as a row of the map: what it does not say, the map does not either.
@@ -172,7 +186,7 @@ fn row(point: &Gear, model: &GearModel) -> MapRow {
     }
 }
 
-/// What all points say alike; what they do not is not known.
+/// Values that all points share, but for the price; others are unknown.
 fn shared(models: &[GearModel]) -> GearModel {
     let alike = |of: fn(&GearModel) -> Option<f64>| {
         let first = models.first().and_then(of);
