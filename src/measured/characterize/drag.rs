@@ -7,7 +7,7 @@
 
 use super::backdrive::motor_speed;
 use super::estimate::{Estimate, Fit, least_squares};
-use super::line::{mean, points, steps, trimmed};
+use super::line::{BLOCKS, POINTS, mean, noise, steps, trimmed};
 use super::{
     Chart, Curve, Finding, Outcome, PerLog, Quantity, Role, Test, Weight, calibrated, calibration, find, logs_of,
 };
@@ -19,8 +19,10 @@ pub struct Drag;
 
 /// Shortest step of speed \[s\].
 const SHORTEST: f64 = 0.8;
-/// Slower than this \[rad/s\] it rests: sensor and zero alone.
-const RESTS: f64 = 0.5;
+/// Up to this share of a log's largest speed is rest: the accuracy of a speed sensor.
+const RESTS: f64 = 1e-3;
+/// Standard errors of a mean speed, or standard deviations of a row's, that are no motion either.
+const SURE: f64 = 4.0;
 /// A form is better where the F test of its last parameter says so at this level.
 const LEVEL: f64 = 0.01;
 
@@ -30,6 +32,8 @@ struct Point {
     log: usize,
     speed: f64,
     torque: f64,
+    /// 1 or −1; 0 at rest, which shows the torque sensor's zero alone.
+    direction: f64,
 }
 
 /// A drag that flattens: `2 T_max/(ω/ω_k + ω_k/ω)` at T_max = 1.
@@ -37,24 +41,63 @@ fn eddy(speed: f64, knee: f64) -> f64 {
     if speed == 0.0 { 0.0 } else { 2.0 / (speed / knee + knee / speed) }
 }
 
-fn direction(speed: f64) -> f64 {
-    if speed.abs() < RESTS { 0.0 } else { speed.signum() }
+/// Direction of a speed; 0 of one that is no larger than `rest`.
+fn direction(speed: f64, rest: f64) -> f64 {
+    if speed.abs() <= rest { 0.0 } else { speed.signum() }
+}
+
+/// Standard error of the mean of a stretch, by the scatter of its fifths.
+fn standard_error(values: &[f64]) -> f64 {
+    let means: Vec<f64> = values.chunks(values.len().div_ceil(5).max(1)).filter_map(mean).collect();
+    let count = means.len() as f64;
+    let middle = means.iter().sum::<f64>() / count;
+    (means.iter().map(|m| (m - middle).powi(2)).sum::<f64>() / (count * (count - 1.0)).max(1.0)).sqrt()
+}
+
+/// The rows of a short table as points, or blocks of a long log. No block has two directions, or motion and rest.
+fn blocks(log: usize, speed: &[f64], torque: &[f64], rest: f64) -> Vec<Point> {
+    let (speed, torque): (Vec<f64>, Vec<f64>) =
+        speed.iter().zip(torque).filter(|(w, t)| w.is_finite() && t.is_finite()).unzip();
+    let rows = speed.len();
+    let rest = if rows <= POINTS { rest } else { rest.max(SURE * noise(&speed)) };
+    let length = if rows <= POINTS { 1 } else { rows.div_ceil(BLOCKS) };
+    let mut found = Vec::new();
+    let mut start = 0;
+    for run in speed.chunk_by(|a, b| direction(*a, rest) == direction(*b, rest)) {
+        let parts = run.len().div_ceil(length);
+        // A flicker between two directions is neither.
+        if 2 * run.len() >= length {
+            for part in 0..parts {
+                let inner = start + part * run.len() / parts..start + (part + 1) * run.len() / parts;
+                if let (Some(w), Some(t)) = (mean(&speed[inner.clone()]), mean(&torque[inner])) {
+                    found.push(Point { log, speed: w, torque: t, direction: direction(run[0], rest) });
+                }
+            }
+        }
+        start += run.len();
+    }
+    found
 }
 
 /// Steady points of one log: steps of speed, or blocks where it has none.
-fn steady(log: &Log, ratio: f64, torque_constant: Option<f64>) -> Option<Vec<(f64, f64)>> {
+fn steady(index: usize, log: &Log, ratio: f64, torque_constant: Option<f64>) -> Option<Vec<Point>> {
     let speed = motor_speed(log, ratio)?;
     let torque: Vec<f64> = match (log.channel(Channel::Torque), log.channel(Channel::Current), torque_constant) {
         (Some(torque), ..) => torque.iter().map(|t| t / ratio).collect(),
         (None, Some(current), Some(k)) => current.iter().map(|i| k * i).collect(),
         _ => return None,
     };
-    let found: Vec<(f64, f64)> = steps(&log.time, log.channel(Channel::Command).unwrap_or(&speed), SHORTEST)
+    let rest = RESTS * speed.iter().filter(|w| w.is_finite()).fold(0.0_f64, |m, w| m.max(w.abs()));
+    let point = |inner: std::ops::Range<usize>| {
+        let (w, t) = (mean(&speed[inner.clone()])?, mean(&torque[inner.clone()])?);
+        let direction = direction(w, rest.max(SURE * standard_error(&speed[inner])));
+        Some(Point { log: index, speed: w, torque: t, direction })
+    };
+    let found: Vec<Point> = steps(&log.time, log.channel(Channel::Command).unwrap_or(&speed), SHORTEST)
         .iter()
-        .map(|step| trimmed(&log.time, step))
-        .filter_map(|inner| Some((mean(&speed[inner.clone()])?, mean(&torque[inner])?)))
+        .filter_map(|step| point(trimmed(&log.time, step)))
         .collect();
-    Some(if found.len() >= 4 { found } else { points(&speed, &torque) })
+    Some(if found.len() >= 4 { found } else { blocks(index, &speed, &torque, rest) })
 }
 
 impl Test for Drag {
@@ -79,9 +122,10 @@ impl Test for Drag {
         ));
         let mut all: Vec<Point> = Vec::new();
         for (index, log) in logs.iter().enumerate() {
-            let found = steady(log, bench.declared.ratio, constant.map(|k| k.value)).unwrap_or_default();
+            let found = steady(index, log, bench.declared.ratio, constant.map(|k| k.value)).unwrap_or_default();
             let mut remarks = vec![format!("{} steady points", found.len())];
-            if found.len() < 4 {
+            let used = found.len() >= 4;
+            if !used {
                 let text = format!(
                     "{}: left out: {} steady points{}",
                     log.name,
@@ -95,9 +139,9 @@ impl Test for Drag {
                 outcome.findings.push(Finding::new("points", Weight::Warning, text));
                 remarks.push("left out".into());
             } else {
-                all.extend(found.iter().map(|(speed, torque)| Point { log: index, speed: *speed, torque: *torque }));
+                all.extend(found);
             }
-            outcome.logs.push(PerLog { log: log.name.clone(), used: found.len() >= 4, values: Vec::new(), remarks });
+            outcome.logs.push(PerLog { log: log.name.clone(), used, values: Vec::new(), remarks });
         }
         fit(&mut outcome, all, logs.len(), by_current, constant);
         for quantity in &mut outcome.quantities {
@@ -114,8 +158,8 @@ fn zeros(all: &[Point], logs: usize) -> Vec<Vec<f64>> {
     (0..logs)
         .filter(|log| {
             let own = || all.iter().filter(|p| p.log == *log);
-            let both = own().any(|p| direction(p.speed) > 0.0) && own().any(|p| direction(p.speed) < 0.0);
-            own().count() > 0 && (both || own().any(|p| direction(p.speed) == 0.0))
+            let both = own().any(|p| p.direction > 0.0) && own().any(|p| p.direction < 0.0);
+            own().count() > 0 && (both || own().any(|p| p.direction == 0.0))
         })
         .map(|log| all.iter().map(|p| f64::from(u8::from(p.log == log))).collect())
         .collect()
@@ -123,14 +167,14 @@ fn zeros(all: &[Point], logs: usize) -> Vec<Vec<f64>> {
 
 /// Whether the torque depends on speed but not on its direction.
 fn even(all: &[Point], zeros: &[Vec<f64>]) -> bool {
-    let way = |sign: f64| all.iter().filter(|p| direction(p.speed) == sign).count();
+    let way = |sign: f64| all.iter().filter(|p| p.direction == sign).count();
     if way(1.0) < 3 || way(-1.0) < 3 {
         return false;
     }
     let torque: Vec<f64> = all.iter().map(|p| p.torque).collect();
     let squares = |of: fn(f64) -> f64| {
         let mut columns: Vec<Vec<f64>> =
-            vec![all.iter().map(|p| of(direction(p.speed))).collect(), all.iter().map(|p| of(p.speed)).collect()];
+            vec![all.iter().map(|p| of(p.direction)).collect(), all.iter().map(|p| of(p.speed)).collect()];
         columns.extend(zeros.iter().cloned());
         least_squares(&columns, &torque).map_or(f64::INFINITY, |f| f.squares())
     };
@@ -165,7 +209,7 @@ fn fit(outcome: &mut Outcome, mut all: Vec<Point>, logs: usize, by_current: bool
     let zero_known = !zero_columns.is_empty();
     // Friction brakes: what the sensor calls negative is turned.
     let centre = if zero_known { all.iter().map(|p| p.torque).sum::<f64>() / all.len() as f64 } else { 0.0 };
-    if all.iter().map(|p| direction(p.speed) * (p.torque - centre)).sum::<f64>() < 0.0 {
+    if all.iter().map(|p| p.direction * (p.torque - centre)).sum::<f64>() < 0.0 {
         all.iter_mut().for_each(|p| p.torque = -p.torque);
         outcome.findings.push(Finding::new(
             "sign",
@@ -175,7 +219,7 @@ fn fit(outcome: &mut Outcome, mut all: Vec<Point>, logs: usize, by_current: bool
     }
     let torque: Vec<f64> = all.iter().map(|p| p.torque).collect();
     let columns = |more: &[Vec<f64>]| {
-        let mut columns = vec![all.iter().map(|p| direction(p.speed)).collect::<Vec<f64>>()];
+        let mut columns = vec![all.iter().map(|p| p.direction).collect::<Vec<f64>>()];
         columns.extend(more.iter().cloned());
         columns.extend(zero_columns.iter().cloned());
         columns
@@ -264,7 +308,7 @@ fn fit(outcome: &mut Outcome, mut all: Vec<Point>, logs: usize, by_current: bool
             zero_columns.iter().enumerate().map(|(z, column)| column[k] * found.coefficients[offset + z]).sum();
         zeroed.push((p.speed, p.torque - zero));
     }
-    let slowest = if speeds.iter().all(|w| *w > -RESTS) { 0.0 } else { -fastest };
+    let slowest = if all.iter().all(|p| p.direction >= 0.0) { 0.0 } else { -fastest };
     let grid = |f: &dyn Fn(f64) -> f64| -> Vec<(f64, f64)> {
         (0..=200).map(|k| slowest + (fastest - slowest) * f64::from(k) / 200.0).map(|w| (w, f(w))).collect()
     };

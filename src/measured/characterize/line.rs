@@ -25,9 +25,8 @@ pub fn steps(time: &[f64], signal: &[f64], shortest: f64) -> Vec<std::ops::Range
     let length = ((BLOCK / step).round() as usize).max(5);
     let quantile = |share| signals::quantile(signal.to_vec(), share).unwrap_or(0.0);
     let range = quantile(0.98) - quantile(0.02);
-    let noise = signals::median(signal.windows(2).map(|w| (w[1] - w[0]).abs()).collect()).unwrap_or(0.0) * 1.05;
     // A median of n samples scatters by 1.25 σ/√n.
-    let tolerance = (LEVEL * range).max(5.0 * 1.25 * noise / (length as f64).sqrt());
+    let tolerance = (LEVEL * range).max(5.0 * 1.25 * noise(signal) / (length as f64).sqrt());
     let starts: Vec<usize> = (0..time.len() / length.max(1)).map(|b| b * length).collect();
     let level = |from: usize, to: usize| signals::median(signal[from..to].to_vec()).unwrap_or(f64::NAN);
     let mut found = Vec::new();
@@ -55,6 +54,11 @@ pub fn steps(time: &[f64], signal: &[f64], shortest: f64) -> Vec<std::ops::Range
     found
 }
 
+/// Standard deviation of a signal's noise from sample to sample, by the median of its differences.
+pub(crate) fn noise(signal: &[f64]) -> f64 {
+    signals::median(signal.windows(2).map(|w| (w[1] - w[0]).abs()).collect()).unwrap_or(0.0) * 1.05
+}
+
 /// A step without its ends: half a second, or a fifth of a short step.
 pub(crate) fn trimmed(time: &[f64], step: &std::ops::Range<usize>) -> std::ops::Range<usize> {
     let (from, to) = (time[step.start], time[step.end - 1]);
@@ -71,9 +75,9 @@ pub fn mean(values: &[f64]) -> Option<f64> {
 }
 
 /// At most this many rows are taken as points of their own; of a longer log blocks are.
-const POINTS: usize = 60;
+pub(crate) const POINTS: usize = 60;
 /// Blocks of a longer log.
-const BLOCKS: usize = 40;
+pub(crate) const BLOCKS: usize = 40;
 
 /// The points that a line goes through: the rows of a short table, blocks of a long log.
 pub fn points(x: &[f64], y: &[f64]) -> Vec<(f64, f64)> {
