@@ -58,6 +58,10 @@ pub struct RandomTest {
     pub span: usize,
     /// Whether the log says so.
     pub declared: bool,
+    /// Coulomb friction \[N·m\].
+    pub coulomb: f64,
+    /// Whether the torque is white and held from sample to sample, where it else is smooth.
+    pub held: bool,
 }
 
 /// A quarter of a sample in fine steps.
@@ -95,17 +99,27 @@ impl RandomTest {
                 y
             })
             .collect();
+        if self.held {
+            torque = (0..total.div_ceil(FINE)).flat_map(|_| [drive.normal(); FINE]).take(total).collect();
+        }
         let rms = (torque.iter().map(|t| t * t).sum::<f64>() / total as f64).sqrt();
         torque.iter_mut().for_each(|t| *t *= TORQUE / rms);
         // Torque held over a fine step: the exact solution of J ω̇ + B ω = T, and of its integral.
         let decay = (-self.damping * h / self.inertia).exp();
-        let (mut speed, mut angle) = (0.0, 0.3);
+        let (mut speed, mut angle) = (0.0_f64, 0.3);
         let mut angles = Vec::with_capacity(total);
         for t in &torque {
             angles.push(angle);
-            let (steady, from) = (t / self.damping, speed);
+            let friction =
+                if speed == 0.0 { t.clamp(-self.coulomb, self.coulomb) } else { self.coulomb * speed.signum() };
+            let (steady, from) = ((t - friction) / self.damping, speed);
             speed = steady + (from - steady) * decay;
             angle += steady * h + (from - steady) * (1.0 - decay) * self.inertia / self.damping;
+            if self.coulomb > 0.0 && from * speed < 0.0 {
+                // It stops within the step; the rest of it friction is against the other direction, or holds it.
+                let rest = h * speed / (speed - from);
+                speed = (t - t.clamp(-self.coulomb, self.coulomb)) * rest / self.inertia;
+            }
         }
         let sensor = TORQUE / self.snr.sqrt();
         let count = TAU / self.counts;
@@ -118,7 +132,8 @@ impl RandomTest {
             let fine = first + s * FINE;
             time.push(s as f64 / RATE);
             // Held over the step before and after: the torque at this instant is their mean.
-            measured.push(0.5 * (torque[fine - 1] + torque[fine]) + 0.02 + sensor * noise.normal());
+            let before = if self.held { fine } else { fine - 1 };
+            measured.push(0.5 * (torque[before] + torque[fine]) + 0.02 + sensor * noise.normal());
             let at = fine as f64 - self.lag / h;
             let half = 0.5 * self.span as f64;
             velocity.push((quantised(at + half) - quantised(at - half)) / (2.0 * half * h));

@@ -156,6 +156,11 @@ pub fn discrepancy(a: Estimate, b: Estimate) -> Estimate {
 /// end (Imbens and Manski, 2004). At an end one side alone can miss, so that it reaches beyond both ends by less than
 /// two standard uncertainties; where the ends are alike it is the plain interval. Not a number of nothing.
 pub fn bracket(ends: &[Estimate]) -> Estimate {
+    if let [first, others @ ..] = ends
+        && others.iter().all(|e| e == first)
+    {
+        return *first;
+    }
     let (low, high) =
         ends.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), e| (l.min(e.value), h.max(e.value)));
     let widest = ends.iter().map(|e| e.standard_uncertainty).fold(0.0, f64::max);

@@ -8,9 +8,13 @@
 //! sin(x)/x with x = π f T, and J comes out too large (4 % at 150 Hz for 1 ms). Where the column says its `difference`,
 //! that is taken out; where not, T is fitted too (with a command), or a bracket from nothing to one sample.
 //!
+//! Coulomb friction is no damping: a machine that it slows does not answer a random torque as a linear one does, and what
+//! is left passes for inertia (1 % where friction is a sixth of the torque). It is fitted too, along the direction of
+//! the speed.
+//!
 //! In order: lag between the channels, H1 by Welch's method with its coherence and the band that it allows, first
 //! order fitted to the gain, refined on the variance accounted for in time (free zero and initial speed), and the
-//! equation `T = J Ω̇ + B Ω` over windows of time with instruments, which gives the number and its interval: windows
+//! equation `T = J Ω̇ + B Ω + C sign Ω` over windows of time with instruments, which gives the number and its interval: windows
 //! are the independent pieces.
 
 mod in_time;
@@ -20,7 +24,7 @@ use nalgebra::{DMatrix, DVector};
 
 use self::in_time::{refine, vaf};
 use self::spectra::{Record, Spectra, band, gain_fit, response};
-use super::estimate::{Combination, Estimate, bracket, combine, pool, rotor_inertia};
+use super::estimate::{Combination, Estimate, Pooled, bracket, combine, pool, rotor_inertia};
 use super::stall::between_logs;
 use super::{Chart, Curve, Finding, Outcome, PerLog, Quantity, Role, Test, Weight, calibrated, calibration, logs_of};
 use crate::measured::bench::{Bench, BenchKind, Channel, Log};
@@ -35,6 +39,10 @@ pub struct RandomTorque;
 const LARGEST_LAG: f64 = 0.05;
 /// Highest frequency times span of a difference that is used: there it still reads half.
 const MOST_AVERAGED: f64 = 0.6;
+/// Highest frequency of the velocity that tells its direction, over that of the band.
+const DIRECTION: f64 = 2.0;
+/// Coulomb friction over the torque (rms) from which on standing still counts: there friction is what the torque is.
+const STICKS: f64 = 0.2;
 /// Power of half-overlapping Hann windows is correlated by 1/36 from one to the next.
 const OVERLAP: f64 = 1.0 + 2.0 / 36.0;
 
@@ -53,7 +61,7 @@ pub enum Instrument {
     Velocity,
 }
 
-/// Inertia, damping and lag with one instrument.
+/// Inertia, damping, friction and lag with one instrument.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FirstOrder {
     /// Inertia \[kg·m²\].
@@ -64,6 +72,8 @@ pub struct FirstOrder {
     pub lag: Estimate,
     /// Square of the time over which the velocity is a mean \[s²\].
     pub averaging: Estimate,
+    /// Coulomb friction \[N·m\], where the speed turns often enough to tell it.
+    pub friction: Option<Estimate>,
 }
 
 /// Where it is known from over how long the velocity is a mean.
@@ -88,6 +98,10 @@ pub struct Identified {
     pub refined: (f64, f64),
     /// With torque and with velocity as instrument: the bracket.
     pub bracket: [FirstOrder; 2],
+    /// Lowest and highest inertia of what it may be; alike where an instrument gives it without bias.
+    pub ends: [Estimate; 2],
+    /// Torque \[N·m\], rms.
+    pub torque: f64,
     /// Whether the command was the instrument.
     pub instrument: Instrument,
     /// Where the velocity's averaging is known from.
@@ -123,6 +137,7 @@ pub fn identify(log: &Log, ratio: f64) -> Result<Identified, String> {
             return Err(format!("a difference over {} ms leaves no band to fit", number(1e3 * span)));
         }
     }
+    record.direct(DIRECTION * band.high, spectra.count());
     let gain = gain_fit(&h, &band);
     let (mut j, mut b) = gain;
     let mut lag = 0.0;
@@ -163,8 +178,9 @@ pub fn identify(log: &Log, ratio: f64) -> Result<Identified, String> {
     };
     let upper = with_lag(solve(&spectra, &band, Instrument::Torque, j, b, false)?);
     let lower = with_lag(solve(&spectra, &band, Instrument::Velocity, j, b, false)?);
-    let (result, instrument) = if record.command.is_some() {
-        (with_lag(solve(&spectra, &band, Instrument::Command, j, b, free)?), Instrument::Command)
+    let (result, ends, instrument) = if record.command.is_some() {
+        let result = with_lag(solve(&spectra, &band, Instrument::Command, j, b, free)?);
+        (result, [result.inertia; 2], Instrument::Command)
     } else {
         let mut ends = vec![upper, lower];
         if averaging == Averaging::Bracketed {
@@ -179,13 +195,17 @@ pub fn identify(log: &Log, ratio: f64) -> Result<Identified, String> {
             damping: of(|f| f.damping),
             lag: of(|f| f.lag),
             averaging: upper.averaging,
+            friction: upper.friction,
         };
-        (middle, Instrument::Torque)
+        let inertias = || ends.iter().map(|f| f.inertia);
+        let by_value = |a: &Estimate, b: &Estimate| a.value.total_cmp(&b.value);
+        let (lowest, highest) = (inertias().min_by(by_value), inertias().max_by(by_value));
+        (middle, [lowest.unwrap_or(middle.inertia), highest.unwrap_or(middle.inertia)], Instrument::Torque)
     };
     if !(result.inertia.value > 0.0 && result.inertia.value.is_finite() && result.damping.value.is_finite()) {
         return Err("the inertia does not come out positive: torque and speed are not those of one machine".into());
     }
-    let shifted = record.with_lag(lag);
+    let shifted = record.with_lag(lag).without_friction(result.friction.map_or(0.0, |f| f.value));
     // From the fit with the instrument: of a noisy gain the damping may come out as nothing, and a machine without
     // damping drifts away.
     let (refined, vaf_refined) = refine(&shifted, (result.inertia.value, result.damping.value.max(gain.1)));
@@ -197,6 +217,8 @@ pub fn identify(log: &Log, ratio: f64) -> Result<Identified, String> {
         gain,
         refined,
         bracket: [upper, lower],
+        ends,
+        torque: (record.torque.iter().map(|t| t * t).sum::<f64>() / record.torque.len() as f64).sqrt(),
         instrument,
         averaging,
         vaf: (vaf_refined, vaf_result),
@@ -208,11 +230,14 @@ pub fn identify(log: &Log, ratio: f64) -> Result<Identified, String> {
     })
 }
 
-/// Solves `T = J Ω̇ + B Ω`, with a late Ω and (`free`) an averaged one, over the bins of the band and all windows with
+/// Solves `T = J Ω̇ + B Ω + C sign Ω`, with a late Ω and (`free`) an averaged one, over the bins of the band and all windows with
 /// an instrument. `j` and `b` are from the round before. The interval is the sandwich with windows as what is
 /// independent.
 fn solve(s: &Spectra, band: &Band, instrument: Instrument, j: f64, b: f64, free: bool) -> Result<FirstOrder, String> {
-    let unknowns = if free { 4 } else { 3 };
+    let directed = s.direction.iter().all(|d| !d.is_empty());
+    // Inertia, damping, lag; averaging; friction.
+    let used: Vec<usize> = (0..5).filter(|u| (*u != 3 || free) && (*u != 4 || directed)).collect();
+    let unknowns = used.len();
     let bins: Vec<usize> = (2..s.frequencies.len()).filter(|k| band.holds(s.frequencies[*k])).collect();
     let (mut slope, mut right) = (DMatrix::<f64>::zeros(unknowns, unknowns), DVector::<f64>::zeros(unknowns));
     let mut parts: Vec<(DMatrix<f64>, DVector<f64>)> = Vec::new();
@@ -225,7 +250,8 @@ fn solve(s: &Spectra, band: &Band, instrument: Instrument, j: f64, b: f64, free:
             let model = d * j + v * b;
             // A mean over T lowers Ω by (ω T)²/24, to first order in the square.
             let falling = omega * omega / 24.0;
-            let regressors = [d, v, i_omega * model, model * falling];
+            let direction = s.direction[w].get(k).copied().unwrap_or_default();
+            let regressors = [d, v, i_omega * model, model * falling, direction];
             let source = match instrument {
                 Instrument::Command => s.command[w].get(k).copied(),
                 Instrument::Torque => Some(t),
@@ -234,14 +260,14 @@ fn solve(s: &Spectra, band: &Band, instrument: Instrument, j: f64, b: f64, free:
             let instruments = match source {
                 Some(r) => {
                     let speed = r / num(b, omega * j);
-                    [i_omega * speed, speed, i_omega * r, r * falling]
+                    [i_omega * speed, speed, i_omega * r, r * falling, direction]
                 }
                 None => regressors,
             };
-            for (row, z) in instruments.iter().take(unknowns).enumerate() {
-                y[row] += (z.conj() * t).re;
-                for (column, x) in regressors.iter().take(unknowns).enumerate() {
-                    a[(row, column)] += (z.conj() * x).re;
+            for (row, z) in used.iter().map(|u| instruments[*u].conj()).enumerate() {
+                y[row] += (z * t).re;
+                for (column, x) in used.iter().map(|u| regressors[*u]).enumerate() {
+                    a[(row, column)] += (z * x).re;
                 }
             }
         }
@@ -265,7 +291,8 @@ fn solve(s: &Spectra, band: &Band, instrument: Instrument, j: f64, b: f64, free:
     let covariance = &inverse * scatter * inverse.transpose() * (OVERLAP * count / freedom);
     let of = |k: usize| Estimate { value: x[k], standard_uncertainty: covariance[(k, k)].max(0.0).sqrt(), freedom };
     let averaging = if free { of(3) } else { Estimate::exact(0.0) };
-    Ok(FirstOrder { inertia: of(0), damping: of(1), lag: of(2), averaging })
+    let friction = directed.then(|| of(unknowns - 1));
+    Ok(FirstOrder { inertia: of(0), damping: of(1), lag: of(2), averaging, friction })
 }
 
 /// The inverse of a matrix whose rows and columns are of very different size.
@@ -329,7 +356,7 @@ impl Test for RandomTorque {
                 number(first.welch.0)
             ));
             outcome.method.push(match first.instrument {
-                Instrument::Command => "the row's number: T = J dΩ/dt + B Ω over the same windows with the command as \
+                Instrument::Command => "the row's number: T = J dΩ/dt + B Ω + C sign Ω over the same windows with the command as \
                                         instrument, so that noise of torque sensor and encoder does not bias it"
                     .into(),
                 _ => "no command in the log: the row's number is the middle of H1 (J too large by the noise of the torque \
@@ -338,9 +365,10 @@ impl Test for RandomTorque {
             });
         }
         let of = |rotor: bool| {
-            let values: Vec<Estimate> =
-                found.iter().filter(|(l, _)| l.rotor == rotor).map(|(_, i)| i.result.inertia).collect();
-            pool(&values)
+            let end = |k: usize| {
+                pool(&found.iter().filter(|(l, _)| l.rotor == rotor).map(|(_, i)| i.ends[k]).collect::<Vec<_>>())
+            };
+            Some([end(0)?, end(1)?])
         };
         let (with, without) = (of(true), of(false));
         for (pooled, name, remark) in [
@@ -348,18 +376,21 @@ impl Test for RandomTorque {
             (without, "output_inertia_without_rotor", "J_nr, at the output"),
         ] {
             let Some(pooled) = pooled else { continue };
-            let mut finding = between_logs(pooled.count, pooled.between, pooled.estimate.value);
+            let estimate = bracket(&pooled.map(|p| p.estimate));
+            let between = pooled[0].between.max(pooled[1].between);
+            let mut finding = between_logs(pooled[0].count, between, estimate.value);
             finding.text = format!("{}: {}", &remark[..remark.find(',').unwrap_or(0)], finding.text);
             outcome.findings.push(finding);
             outcome.quantities.push(Quantity {
                 name,
-                estimate: calibrated(pooled.estimate, &logs, GAINS),
+                estimate: calibrated(estimate, &logs, GAINS),
                 unit: "kg*m^2",
                 remark: remark.into(),
             });
         }
         if let Some(with) = with {
-            rotor(&mut outcome, bench, with.estimate, without.map(|p| p.estimate), &logs);
+            let ends = |pooled: [Pooled; 2]| pooled.map(|p| p.estimate);
+            rotor(&mut outcome, bench, ends(with), without.map(ends), &logs);
             outcome.findings.extend(calibration(&logs, &[Channel::Torque]));
         }
         charts(&mut outcome, &found);
@@ -367,19 +398,22 @@ impl Test for RandomTorque {
     }
 }
 
-/// The rotor's inertia from those at the output.
-fn rotor(outcome: &mut Outcome, bench: &Bench, with: Estimate, without: Option<Estimate>, logs: &[&Log]) {
+/// The rotor's inertia from those at the output, lowest and highest of each: a bracket is no scatter, so that neither
+/// more logs nor the difference make it narrower.
+fn rotor(outcome: &mut Outcome, bench: &Bench, with: [Estimate; 2], without: Option<[Estimate; 2]>, logs: &[&Log]) {
     let ratio = bench.declared.ratio;
     let k = 1.0 / (ratio * ratio);
     let (estimate, remark) = match without {
         Some(without) => {
-            let linear = combine(Combination::Linear, &[(k, with.half_width()), (k, without.half_width())]);
+            let parts = [(k, bracket(&with).half_width()), (k, bracket(&without).half_width())];
+            let linear = combine(Combination::Linear, &parts);
             outcome.method.push(format!(
                 "J_m = (J_r − J_nr)/N² with N = {}; ± by root sum square (in the row), by linear sum {} kg*m^2",
                 number(ratio),
                 number(linear)
             ));
-            (rotor_inertia(with, without, ratio), "(J_r − J_nr)/N²")
+            let ends = [0, 1].map(|e| rotor_inertia(with[e], without[1 - e], ratio));
+            (bracket(&ends), "(J_r − J_nr)/N²")
         }
         None => {
             let (fixture, gear) = (bench.declared.fixture_inertia, bench.declared.gear.inertia);
@@ -391,8 +425,8 @@ fn rotor(outcome: &mut Outcome, bench: &Bench, with: Estimate, without: Option<E
                      count as rotor, J_m is an upper bound",
                 ));
             }
-            let value = k * (with.value - fixture) - gear;
-            (Estimate::combined(value, &[(k, with)]), "J_r/N² less what is declared of fixture and gear")
+            let ends = with.map(|w| Estimate::combined(k * (w.value - fixture) - gear, &[(k, w)]));
+            (bracket(&ends), "J_r/N² less what is declared of fixture and gear")
         }
     };
     // The sensor's gain is that of both: it scales the difference.
@@ -483,6 +517,19 @@ const LOG_CHECKS: &[LogCheck] = &[
                  `difference = \"1 ms\"` in its column (\"0 s\" for none) narrows it"
                     .into(),
             ),
+        }
+    }),
+    ("sticking", |i| {
+        let Some(friction) = i.result.friction else {
+            return (Weight::Good, "the speed turns too seldom for Coulomb friction to count".into());
+        };
+        let share = friction.value / i.torque;
+        let text = format!("Coulomb friction is {} % of the torque (rms): fitted", number((100.0 * share).round()));
+        if share > STICKS {
+            let why = "but where the machine is at rest it is less, which passes for inertia; more torque helps";
+            (Weight::Warning, format!("{text}, {why}"))
+        } else {
+            (Weight::Good, text)
         }
     }),
     ("coherence", |i| {

@@ -218,6 +218,8 @@ fn grid(command: bool, span: usize, declared: bool) -> Vec<RandomTest> {
                         counts: 131_072.0,
                         span,
                         declared,
+                        coulomb: 0.0,
+                        held: false,
                     });
                 }
             }
@@ -310,6 +312,8 @@ fn noise_biases_h1_and_the_command_does_not() {
         counts: 131_072.0,
         span: QUARTER,
         declared: true,
+        coulomb: 0.0,
+        held: false,
     };
     let found = random_torque::identify(&test.log(5), 1.0).unwrap();
     let [h1, h2] = found.bracket;
@@ -337,6 +341,8 @@ fn a_differenced_velocity_does_not_pass_for_inertia() {
         counts: 1_048_576.0,
         span: SAMPLE,
         declared: true,
+        coulomb: 0.0,
+        held: false,
     };
     let silent = RandomTest { declared: false, ..said };
     let blind = RandomTest { command: false, ..silent };
@@ -358,6 +364,82 @@ fn a_differenced_velocity_does_not_pass_for_inertia() {
     let wrong = gearwise::measured::Log { difference: Some(0.0), ..said.log(3) };
     let found = random_torque::identify(&wrong, 1.0).unwrap().result.inertia;
     assert!(found.interval().0 > said.inertia, "{found:?}");
+}
+
+/// Inertia over logs of one machine, each with its own noise.
+fn inertia_score(test: RandomTest, seeds: std::ops::Range<u64>) -> Score {
+    let mut score = Score::default();
+    for seed in seeds {
+        let found = random_torque::identify(&test.log(seed), 1.0).unwrap_or_else(|e| panic!("{test:?}: {e}"));
+        score.add(found.result.inertia, test.inertia);
+    }
+    score
+}
+
+/// What is no linear machine with a smooth torque: Coulomb friction makes a random torque's answer look heavier, and
+/// near half the sampling rate a torque that is held does. Neither is in the inertia.
+#[test]
+fn friction_and_a_held_torque_do_not_pass_for_inertia() {
+    let smooth = RandomTest {
+        inertia: 6.5e-4,
+        damping: 2e-3,
+        snr: 40.0,
+        lag: 0.0,
+        duration: 30.0,
+        command: true,
+        counts: 131_072.0,
+        span: QUARTER,
+        declared: true,
+        coulomb: 0.04,
+        held: false,
+    };
+    let held = RandomTest { coulomb: 0.0, held: true, declared: false, ..smooth };
+    for test in [smooth, held] {
+        let score = inertia_score(test, 7_000..7_020);
+        eprintln!("{test:?}: {score}");
+        let (least, _) = bounds(score.count(), 0.90, 0.98);
+        assert!(score.inside >= least, "{test:?}: {score}");
+        // Of a torque that is white up to half the sampling rate 0.2 % remain, within the ±: there the count alone judges.
+        assert!(test.held || score.bias().0.abs() < 1.5e-3, "{test:?}: {score}");
+    }
+    let found = random_torque::identify(&smooth.log(7_100), 1.0).unwrap();
+    let friction = found.result.friction.unwrap();
+    assert_relative_eq!(friction.value, smooth.coulomb, max_relative = 0.1);
+}
+
+/// Without a command every log has its torque's noise to the same side: more logs do not make that smaller.
+#[test]
+fn a_bracket_does_not_average_out_over_logs() {
+    let with = RandomTest {
+        inertia: 6.5e-4,
+        damping: 2e-3,
+        snr: 6.0,
+        lag: 0.0,
+        duration: 20.0,
+        command: false,
+        counts: 131_072.0,
+        span: QUARTER,
+        declared: true,
+        coulomb: 0.0,
+        held: false,
+    };
+    let without = RandomTest { inertia: 1.5e-4, ..with };
+    let empty = bench_of(Vec::new());
+    for repeat in 0..3 {
+        let seeds = || (0..4).map(|k| 9_000 + 10 * repeat + k);
+        let removed = seeds().map(|s| gearwise::measured::Log { rotor: false, ..without.log(s + 5) });
+        let logs = seeds().map(|s| with.log(s)).chain(removed).collect();
+        let found = characterize(&Bench { logs, ..empty.clone() }).unwrap();
+        for (name, truth) in [
+            ("output_inertia_with_rotor", with.inertia),
+            ("output_inertia_without_rotor", without.inertia),
+            ("rotor_inertia", with.inertia - without.inertia),
+        ] {
+            let estimate = find(&found.outcomes, name).unwrap();
+            let (low, high) = estimate.interval();
+            assert!(low < truth && truth < high, "{name}: {low} {truth} {high}");
+        }
+    }
 }
 
 /// A bench without a motor's row, with these logs alone.
@@ -397,6 +479,40 @@ fn drag_coverage(repeats: u64) -> Vec<(String, Score)> {
         }
     }
     scores
+}
+
+/// Rest is no fixed speed: rows of a table, a slow sweep and steps show the same friction of a joint as of its motor.
+#[test]
+fn drag_of_a_slow_joint_is_found() {
+    let (coulomb, viscous) = (0.572, 0.522);
+    let tables: [fn(usize) -> f64; 3] = [
+        // Three rows at each tenth of a rad/s, through zero.
+        |k| ((k / 3) as f64 - 15.0) / 10.0,
+        // A triangle from −1.5 to 1.5 rad/s and back.
+        |k| 1.5 - 3.0 * (k as f64 / 200.0 - 1.0).abs(),
+        // Steps of four seconds, with rest between them.
+        |k| if k / 40 % 2 == 0 { 0.0 } else { 0.3 * ((k / 80) as f64 - 1.5) },
+    ];
+    for (rows, table) in [93, 401, 400].into_iter().zip(tables) {
+        for factor in [1.0, 0.1, 30.0] {
+            let mut r = Random::new(rows, "slow drag");
+            let speed: Vec<f64> = (0..rows as usize).map(|k| factor * (table(k) + 0.004 * r.normal())).collect();
+            let drag = |k: usize| {
+                let w: f64 = table(k);
+                let sign = if w == 0.0 { 0.0 } else { w.signum() };
+                coulomb * sign + viscous * w + 0.1
+            };
+            let torque = (0..rows as usize).map(|k| drag(k) + 0.02 * r.normal()).collect();
+            let time = (0..rows).map(|k| 0.1 * k as f64).collect();
+            let log = log(BenchKind::Drag, time, vec![(Channel::MotorVelocity, speed), (Channel::Torque, torque)]);
+            let found = characterize(&bench_of(vec![log])).unwrap();
+            let of = |name| find(&found.outcomes, name).unwrap_or_else(|| panic!("{rows} {factor}: {name}"));
+            for (estimate, truth) in [(of("coulomb_friction"), coulomb), (of("viscous_friction"), viscous / factor)] {
+                assert_relative_eq!(estimate.value, truth, max_relative = 0.05);
+                assert!((estimate.value - truth).abs() < 2.0 * estimate.half_width(), "{rows} {factor}: {estimate:?}");
+            }
+        }
+    }
 }
 
 /// Thermal resistances and time constants over repeats of steps of current: with and without cooling, with sensors that

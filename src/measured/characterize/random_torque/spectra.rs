@@ -1,7 +1,7 @@
 //! A log of torque and speed as spectra over windows of time.
 
 use crate::measured::bench::{Channel, Log};
-use crate::measured::signals;
+use crate::measured::signals::{self, LowPass};
 use crate::numerics::least_squares::{Unknown, minimise};
 use crate::words::number;
 
@@ -24,6 +24,9 @@ pub struct Record {
     pub velocity: Vec<f64>,
     /// Command, where the log has it.
     pub command: Option<Vec<f64>>,
+    /// Direction of the velocity, 1 or −1: what Coulomb friction goes with. From [`Record::direct`] on, where it turns
+    /// often enough.
+    pub direction: Option<Vec<f64>>,
 }
 
 impl Record {
@@ -49,7 +52,7 @@ impl Record {
         let command = log.channel(Channel::Command).map(grid).transpose()?.map(centred);
         let command = command.filter(|c| c.iter().any(|v| *v != 0.0));
         let velocity = grid(&velocity)?.iter().map(|v| v / ratio).collect();
-        Ok(Record { step, torque: centred(grid(torque)?), velocity, command })
+        Ok(Record { step, torque: centred(grid(torque)?), velocity, command, direction: None })
     }
 
     /// Turns a torque of the wrong sign and brings the command to the time of the torque; whether it was turned.
@@ -80,9 +83,35 @@ impl Record {
         power < 0.0
     }
 
+    /// Finds the direction of the velocity, where it turns at least `turns` times. The noise above a frequency
+    /// \[Hz\] would turn it where it is slow.
+    pub fn direct(&mut self, above: f64, turns: usize) {
+        let smooth = LowPass::new(above * self.step).apply(&self.velocity);
+        let direction: Vec<f64> = smooth.iter().map(|v| v.signum()).collect();
+        let turned = direction.windows(2).filter(|w| w[0] != w[1]).count();
+        self.direction = (turned >= turns).then_some(direction);
+    }
+
     /// With the velocity brought forward by a lag \[s\].
     pub fn with_lag(&self, lag: f64) -> Record {
-        Record { velocity: signals::shifted(&self.velocity, lag / self.step), ..self.clone() }
+        self.moved(lag / self.step)
+    }
+
+    /// With the velocity brought forward by samples.
+    fn moved(&self, samples: f64) -> Record {
+        Record {
+            velocity: signals::shifted(&self.velocity, samples),
+            direction: self.direction.as_ref().map(|d| signals::shifted(d, samples.round())),
+            ..self.clone()
+        }
+    }
+
+    /// Without the torque that Coulomb friction takes \[N·m\].
+    pub fn without_friction(mut self, friction: f64) -> Record {
+        if let Some(direction) = &self.direction {
+            self.torque.iter_mut().zip(direction).for_each(|(t, d)| *t -= friction * d);
+        }
+        self
     }
 }
 
@@ -101,6 +130,8 @@ pub(crate) struct Spectra {
     pub derivative: Vec<Vec<Complex>>,
     /// Of each window: command; empty where there is none.
     pub command: Vec<Vec<Complex>>,
+    /// Of each window: direction of the velocity; empty where it is not known.
+    pub direction: Vec<Vec<Complex>>,
 }
 
 impl Spectra {
@@ -131,6 +162,7 @@ impl Spectra {
             velocity: Vec::new(),
             derivative: Vec::new(),
             command: Vec::new(),
+            direction: Vec::new(),
         };
         let mut start = 0;
         while start + length <= n {
@@ -146,7 +178,10 @@ impl Spectra {
             spectra.torque.push(transform(&record.torque[part.clone()], &hann));
             spectra.velocity.push(velocity);
             spectra.derivative.push(derivative);
-            spectra.command.push(record.command.as_ref().map_or_else(Vec::new, |c| transform(&c[part], &hann)));
+            let optional =
+                |values: Option<&Vec<f64>>| values.map_or_else(Vec::new, |v| transform(&v[part.clone()], &hann));
+            spectra.command.push(optional(record.command.as_ref()));
+            spectra.direction.push(optional(record.direction.as_ref()));
             start += length / 2;
         }
         spectra
@@ -158,14 +193,16 @@ impl Spectra {
     pub fn corrected(record: &Record, lag: f64, square: f64) -> Spectra {
         let whole = (lag / record.step).round();
         let rest = lag - whole * record.step;
-        let velocity = signals::shifted(&record.velocity, whole);
-        let mut spectra = Spectra::new(&Record { velocity, ..record.clone() });
+        let mut spectra = Spectra::new(&record.moved(whole));
         for (k, frequency) in spectra.frequencies.iter().enumerate() {
             let phase = std::f64::consts::TAU * frequency * rest;
-            let factor = Complex::from_polar(averaged_gain(*frequency, square).recip(), phase);
+            let later = Complex::from_polar(1.0, phase);
+            let factor = later / averaged_gain(*frequency, square);
             for values in [&mut spectra.velocity, &mut spectra.derivative] {
                 values.iter_mut().for_each(|window| window[k] *= factor);
             }
+            // A direction has no mean: it comes from a velocity that is known well where it turns.
+            spectra.direction.iter_mut().filter_map(|window| window.get_mut(k)).for_each(|d| *d *= later);
         }
         spectra
     }
@@ -231,8 +268,9 @@ pub fn band(response: &[(f64, f64, f64)], command: bool) -> Result<Band, String>
             signals::median(part.iter().map(|p| p.2).collect()).unwrap_or(0.0)
         })
         .collect();
-    // The window's first bin sees the mean; near half the sampling rate filters bite.
-    let last = response.len() * 4 / 5;
+    // The window's first bin sees the mean. Above a quarter of the sampling rate what is folded back counts, and it
+    // matters how torque is held and speed is made between samples: more than the gain of a mean makes good.
+    let last = response.len() / 2;
     let levels: &[f64] = if command { &[0.8, 0.5, 0.25] } else { &[0.8, 0.5] };
     for level in levels {
         let (mut best, mut start) = (0..0, None);
