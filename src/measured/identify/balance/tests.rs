@@ -104,7 +104,7 @@ fn benches() -> Vec<(&'static str, Bench, Target)> {
 /// load that stands beside the response, `b` the bench does not show it, `e` it is a term of another equation.
 const TABLE: [(&str, &str); 18] = [
     ("torque_offset", "bbooo"),
-    ("gravity", "bbooo"),
+    ("gravity", "bboob"),
     ("viscous_friction", "ooooo"),
     ("coulomb_friction", "ooooo"),
     ("torque_constant_saturation", "oorrr"),

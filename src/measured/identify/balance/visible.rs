@@ -7,6 +7,9 @@ use crate::measured::Declared;
 use crate::measured::answer::{Base, Hidden, Target};
 use crate::measured::identify::origin::Channels;
 
+/// Two torques with at least this correlation (uncentred) have the same course.
+const SAME_COURSE: f64 = 0.9;
+
 impl Balance {
     /// Whether a variable is made of the response: then a function of it explains its own noise, and whatever is
     /// in the response, with nothing of the actuator in between. A second derivative amplifies noise so much that it must
@@ -40,6 +43,17 @@ impl Balance {
             measures_supply: self.has_measured_volts || self.has_measured_supply,
             fits_damping: self.base.iter().any(|b| b.which == Base::Damping),
         }
+    }
+
+    /// True if a weight has the course of the known load, whose scale is fitted: the two cannot be told apart.
+    fn weighs(&self, weight: &dyn Effect) -> bool {
+        let Some(scale) = self.base.iter().position(|base| base.which == Base::LoadScale) else { return false };
+        let load = self.base_column(scale);
+        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let alike = |own: &Vec<f64>| {
+            product(own, &load).abs() > SAME_COURSE * (product(own, own) * product(&load, &load)).sqrt()
+        };
+        self.effect_columns(weight, 0.0).iter().any(alike)
     }
 
     /// What would have to be measured for a variable not to be made of the response.
@@ -77,6 +91,9 @@ pub fn visible(effect: &dyn Effect, balance: &Balance, declared: &Declared) -> R
     }
     if let Some(why) = effect.hidden(&balance.view(declared)) {
         return Err(Hidden::Bench(why));
+    }
+    if effect.is_weight() && balance.weighs(effect) {
+        return Err(Hidden::Bench("the known load has the same course, and its scale shows the torque constant"));
     }
     match effect.needs().iter().find(|v| balance.is_response(**v)) {
         Some(variable) => Err(Hidden::Response(balance.shown_by(*variable))),
