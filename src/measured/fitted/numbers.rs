@@ -1,7 +1,7 @@
 //! Fitted numbers of all equations of a bench, and what follows from them with its error.
 
 use crate::catalog::Motor;
-use crate::effects::{Effect, Equation, Named, Shape, of_damping};
+use crate::effects::{Effect, Named, Shape, of_damping};
 use crate::measured::answer::{Parameter, Report, Target};
 use crate::measured::bench::Bench;
 use crate::words::handy::with_error;
@@ -116,41 +116,15 @@ impl<'a> Fits<'a> {
         (variance.is_finite() && variance >= 0.0).then_some(self.first[report] + k)
     }
 
-    /// A parameter as its equation has it.
-    fn raw(&self, report: usize, name: &str) -> Option<Number> {
+    /// A parameter of the machine as a report sees it.
+    fn seen(&self, report: usize, name: &str) -> Option<Number> {
         let p = self.parameter(report, name)?;
         let error = p.standard_error.filter(|e| e.is_finite() && p.fitted.is_finite())?;
         let loose = p.undecided.map_or(0.0, |u| u.by * u.by);
         if let Some(place) = self.place(report, name) {
             return Some(Number { value: p.fitted, by: vec![(place, 1.0)], loose });
         }
-        // A load that seems scaled by s is a torque constant of K/s.
-        if let ("torque_constant", Some(place), Some(motor)) =
-            (name, self.place(report, "load_scale"), &self.bench.declared.motor)
-        {
-            let slope = -p.fitted * p.fitted / motor.torque_constant;
-            return Some(Number { value: p.fitted, by: vec![(place, slope)], loose });
-        }
         Some(Number { value: p.fitted, by: Vec::new(), loose: loose + error * error })
-    }
-
-    /// What torques of a report are to be multiplied with. Where the known load shows the torque constant, the equation is
-    /// `N K_0 i = s (load + …)` with the declared K_0 and s = K_0/K_T: its coefficients are s times the machine's.
-    fn torque_factor(&self, report: usize) -> Option<Number> {
-        let motor = self.bench.declared.motor.as_ref()?;
-        if self.reports[report].target != Target::Drive {
-            return None;
-        }
-        self.raw(report, "torque_constant").map(|k| k.by_factor(1.0 / motor.torque_constant))
-    }
-
-    /// A parameter of the machine as a report sees it.
-    fn seen(&self, report: usize, name: &str) -> Option<Number> {
-        let raw = self.raw(report, name)?;
-        Some(match self.torque_factor(report) {
-            Some(factor) if is_torque(name) => raw.times(&factor),
-            _ => raw,
-        })
     }
 
     /// A parameter by the equation that is surest of it, of those that may say it.
@@ -207,9 +181,11 @@ impl<'a> Fits<'a> {
             if !self.sight[r].sees_quotient || (own.is_none() && term.is_none()) {
                 return None;
             }
-            let factor = self.torque_factor(r).unwrap_or(Number::exact(1.0));
-            let held = |value: f64| factor.by_factor(value);
             let quotient = self.seen(r, "torque_constant").unwrap_or(Number::exact(motor.torque_constant));
+            let held = |value: f64| match self.reports[r].target {
+                Target::Drive => quotient.by_factor(value / motor.torque_constant),
+                _ => Number::exact(value),
+            };
             let back_emf = motor.torque_constant * motor.back_emf_constant / motor.resistance;
             let damping = own.unwrap_or_else(|| held(back_emf)).sum(&term.unwrap_or_else(|| held(viscous)));
             Some((damping, quotient.by_factor(1.0 / motor.resistance)))
@@ -292,14 +268,4 @@ impl<'a> Fits<'a> {
 /// The name of an effect's first parameter, as a report has it.
 pub(super) fn coefficient(effect: &'static dyn Effect) -> String {
     Named::new(effect, None, effect.parameters()[0].name).to_string()
-}
-
-/// Whether a parameter is a coefficient of an equation of torque.
-fn is_torque(name: &str) -> bool {
-    match name {
-        "torque_constant" => false,
-        "inertia" | "damping" => true,
-        _ => Named::read(name)
-            .is_some_and(|of| of.effect.acts_on() == Equation::Torque && of.index() < of.effect.linear()),
-    }
 }

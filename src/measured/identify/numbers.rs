@@ -6,10 +6,10 @@ use nalgebra::DMatrix;
 use super::regression::{Blocks, covariance, solve};
 use super::ripple;
 use super::work::{Kind, Term, Work};
-use crate::effects::{EFFECTS, Effect, FittedEffect, Named, Shape, Variable};
+use crate::effects::{EFFECTS, Effect, Equation, FittedEffect, Named, Shape, Variable};
 use crate::measured::answer::{Base, Found, Parameter, Undecided};
 
-/// Every fitted number of a model, with its error.
+/// Every fitted number of the machine, with its error.
 pub struct Numbers {
     /// Names.
     pub names: Vec<String>,
@@ -17,37 +17,67 @@ pub struct Numbers {
     pub covariance: DMatrix<f64>,
     /// Values.
     pub values: Vec<f64>,
-    /// The column of the model that each is the factor of; a shape is of none.
+    /// The column of the model that each follows from; a shape is of none.
     columns: Vec<Option<usize>>,
+    /// Derivative of each by the factor of its column.
+    slopes: Vec<f64>,
+    /// Factor of torques in the equation over those of the machine, and its variance: see [`Numbers::of_the_machine`].
+    factor: (f64, f64),
 }
 
 impl Numbers {
-    /// One number, of the first column.
+    /// Independent numbers with their variances, of a column each.
     #[cfg(test)]
-    pub fn of_one(name: &str, value: f64, variance: f64) -> Numbers {
+    pub fn independent(numbers: &[(&str, f64, f64)]) -> Numbers {
+        let variances: Vec<f64> = numbers.iter().map(|(_, _, variance)| *variance).collect();
         Numbers {
-            names: vec![name.into()],
-            covariance: DMatrix::from_element(1, 1, variance),
-            values: vec![value],
-            columns: vec![Some(0)],
+            names: numbers.iter().map(|(name, ..)| name.to_string()).collect(),
+            covariance: DMatrix::from_diagonal(&variances.into()),
+            values: numbers.iter().map(|(_, value, _)| *value).collect(),
+            columns: (0..numbers.len()).map(Some).collect(),
+            slopes: vec![1.0; numbers.len()],
+            factor: (1.0, 0.0),
         }
+    }
+
+    /// The numbers of the machine, from those of the equation. Where a known load has a scale, the equation is `N K_0 i = s (load + …)` with
+    /// the declared torque constant K_0: s = K_0/K_T, and the coefficient of every torque is s times the machine's.
+    pub(super) fn of_the_machine(mut self, torque_constant: f64, is_torque: &[bool]) -> Numbers {
+        let Some(at) = self.names.iter().position(|name| name == Base::LoadScale.name()) else { return self };
+        let count = self.names.len();
+        let scale = self.values[at];
+        let mut by = DMatrix::<f64>::identity(count, count);
+        for k in (0..count).filter(|k| is_torque[*k]) {
+            by[(k, k)] = 1.0 / scale;
+            by[(k, at)] = -self.values[k] / (scale * scale);
+            self.values[k] /= scale;
+        }
+        by[(at, at)] = -torque_constant / (scale * scale);
+        self.names[at] = Base::TorqueConstant.name().into();
+        self.values[at] = torque_constant / scale;
+        self.factor = (scale, self.covariance[(at, at)]);
+        self.slopes = (0..count).map(|k| by[(k, k)]).collect();
+        self.covariance = &by * self.covariance * by.transpose();
+        self
     }
 
     /// A number with its error, and with what is undecided of each column.
     fn of(&self, name: &str, undecided: &[Option<Undecided>]) -> Option<(f64, f64, Option<Undecided>)> {
         let k = self.names.iter().position(|n| n == name)?;
         let undecided = self.columns[k].and_then(|column| undecided.get(column).copied().flatten());
+        let undecided = undecided.map(|u| Undecided { by: self.slopes[k].abs() * u.by, ..u });
         Some((self.values[k], self.covariance[(k, k)].max(0.0).sqrt(), undecided))
     }
 }
 
-/// Names, covariance and values of every fitted number; shape parameters by their derivative.
+/// Names, covariance and values of every fitted number of the machine; shape parameters by their derivative.
 pub fn errors(work: &Work) -> Numbers {
     let fit = work.fit();
     let mut names = Vec::new();
     let mut values: Vec<f64> = Vec::new();
     let mut columns: Vec<Vec<f64>> = Vec::new();
     let mut of: Vec<Option<usize>> = Vec::new();
+    let mut is_torque = Vec::new();
     for (t, term) in work.terms.iter().enumerate() {
         let offset = work.offset(t);
         let coefficients: Vec<f64> = (0..term.columns.len()).map(|j| fit.solution.coefficients[offset + j]).collect();
@@ -55,8 +85,13 @@ pub fn errors(work: &Work) -> Numbers {
         values.extend(&coefficients);
         of.extend((0..coefficients.len()).map(|j| Some(offset + j)));
         match term.kind {
-            Kind::Base(index) => names.push(work.balance.base[index].which.name().to_string()),
+            Kind::Base(index) => {
+                let which = work.balance.base[index].which;
+                names.push(which.name().to_string());
+                is_torque.push(matches!(which, Base::Inertia | Base::Mass | Base::Damping));
+            }
             Kind::Effect(effect, shape) => {
+                is_torque.extend(coefficients.iter().map(|_| effect.acts_on() == Equation::Torque));
                 for parameter in &effect.parameters()[..effect.linear()] {
                     names.push(Named::new(effect, Some(shape), parameter.name).to_string());
                 }
@@ -80,6 +115,7 @@ pub fn errors(work: &Work) -> Numbers {
                     names.push(Named::new(effect, Some(shape), effect.parameters()[effect.linear()].name).to_string());
                     values.push(shape);
                     of.push(None);
+                    is_torque.push(false);
                 }
             }
         }
@@ -90,7 +126,9 @@ pub fn errors(work: &Work) -> Numbers {
     let blocks = Blocks::new(&work.balance.rows, &references, &residual);
     let solution = solve(&blocks.total(|b| work.fits(b)));
     let covariance = covariance(&blocks, &solution, |b| work.fits(b));
-    Numbers { names, covariance, values, columns: of }
+    let slopes = vec![1.0; names.len()];
+    Numbers { names, covariance, values, columns: of, slopes, factor: (1.0, 0.0) }
+        .of_the_machine(work.balance.scale.torque_constant, &is_torque)
 }
 
 /// The parameters of the declared model, fitted or held.
@@ -98,27 +136,18 @@ pub fn parameters(work: &Work, numbers: &Numbers, undecided: &[Option<Undecided>
     let mut list = Vec::new();
     let error = |name: &str| numbers.of(name, undecided);
     for base in &work.balance.base {
-        match error(base.which.name()) {
-            // A load that seems scaled is a torque constant that is.
-            Some((value, error, undecided)) if base.which == Base::LoadScale => {
-                let constant = work.balance.scale.torque_constant;
-                let slope = constant / (value * value);
-                list.push(Parameter {
-                    name: Base::TorqueConstant.name().into(),
-                    declared: Some(constant),
-                    fitted: constant / value,
-                    standard_error: Some(slope * error),
-                    undecided: undecided.map(|u| Undecided { by: slope * u.by, ..u }),
-                    unit: Base::TorqueConstant.unit(),
-                });
-            }
+        let (which, declared) = match base.which {
+            Base::LoadScale => (Base::TorqueConstant, Some(work.balance.scale.torque_constant)),
+            which => (which, base.declared),
+        };
+        match error(which.name()) {
             Some((value, error, undecided)) => list.push(Parameter {
-                name: base.which.name().into(),
-                declared: base.declared,
+                name: which.name().into(),
+                declared,
                 fitted: value,
                 standard_error: Some(error),
                 undecided,
-                unit: base.which.unit(),
+                unit: which.unit(),
             }),
             None if held.contains(&base.which) => {
                 if let Some(declared) = base.declared {
@@ -182,17 +211,25 @@ fn add_to_its_order(found: &mut Found, values: &[f64], covariance: &[[f64; 2]; 2
 }
 
 /// Effects that were found at full bandwidth: their errors are of that.
-fn of_ripple(work: &Work, list: &mut Vec<Found>) {
+fn of_ripple(work: &Work, numbers: &Numbers, list: &mut Vec<Found>) {
     let Some(ripple) = &work.ripple else { return };
+    let (scale, variance) = numbers.factor;
     for (effect, _, held) in &ripple.without {
         let lines = ripple.lines.iter().filter(|l| l.fitted.effect == *effect);
         let (mut parameters, mut instances, mut square) = (Vec::new(), Vec::new(), 0.0);
         let mut confounded_with: Vec<&'static dyn Effect> = Vec::new();
         for line in lines {
-            let values = &line.fitted.values;
+            let (mut values, mut covariance) = (line.fitted.values.clone(), line.covariance);
+            let linear = effect.linear();
+            values[..linear].iter_mut().for_each(|value| *value /= scale);
+            for (j, row) in covariance.iter_mut().enumerate() {
+                for (k, cell) in row.iter_mut().enumerate() {
+                    *cell = (*cell + values[j] * values[k] * variance) / (scale * scale);
+                }
+            }
             // What the band shows of the same order beside it is one wave with it.
             let same = list.iter_mut().find(|f| f.effect == *effect);
-            if same.is_some_and(|found| add_to_its_order(found, values, &line.covariance)) {
+            if same.is_some_and(|found| add_to_its_order(found, &values, &covariance)) {
                 continue;
             }
             for (j, parameter) in effect.parameters()[..effect.linear()].iter().enumerate() {
@@ -200,14 +237,14 @@ fn of_ripple(work: &Work, list: &mut Vec<Found>) {
                     name: Named::new(*effect, values.last().copied(), parameter.name).within(),
                     declared: None,
                     fitted: values[j],
-                    standard_error: Some(line.covariance[j][j].max(0.0).sqrt()),
+                    standard_error: Some(covariance[j][j].max(0.0).sqrt()),
                     undecided: None,
                     unit: parameter.kind.si,
                 });
             }
-            let column = work.balance.variable(false, |at| work.balance.factor * effect.value(values, at));
+            let column = work.balance.variable(false, |at| work.balance.factor * effect.value(&line.fitted.values, at));
             square += column.iter().map(|v| v * v).sum::<f64>() / column.len().max(1) as f64;
-            instances.push(values.clone());
+            instances.push(values);
             let new: Vec<_> = line.twins.iter().copied().filter(|t| !confounded_with.contains(t)).collect();
             confounded_with.extend(new);
         }
@@ -238,7 +275,12 @@ pub fn found(work: &Work, selection: &Selection, numbers: &Numbers, undecided: &
     for (t, term) in work.terms.iter().enumerate().filter(|(_, t)| missing(t)) {
         let Some((effect, shape)) = term.effect() else { continue };
         let offset = work.offset(t);
-        let mut instance: Vec<f64> = (0..effect.linear()).map(|j| fit.solution.coefficients[offset + j]).collect();
+        let coefficients: Vec<f64> = (0..effect.linear()).map(|j| fit.solution.coefficients[offset + j]).collect();
+        let of_machine = |(j, coefficient): (usize, &f64)| {
+            let name = Named::new(effect, Some(shape), effect.parameters()[j].name).to_string();
+            numbers.of(&name, &[]).map_or(*coefficient, |(value, ..)| value)
+        };
+        let mut instance: Vec<f64> = coefficients.iter().enumerate().map(of_machine).collect();
         let mut parameters = Vec::new();
         for (index, parameter) in effect.parameters().iter().enumerate() {
             let named = Named::new(effect, Some(shape), parameter.name);
@@ -270,7 +312,7 @@ pub fn found(work: &Work, selection: &Selection, numbers: &Numbers, undecided: &
             instance.push(shape);
         }
         let part: Vec<f64> = (0..work.balance.rows.len())
-            .map(|k| (0..effect.linear()).map(|j| instance[j] * term.columns[j][k]).sum())
+            .map(|k| (0..effect.linear()).map(|j| coefficients[j] * term.columns[j][k]).sum())
             .collect();
         let square = part.iter().map(|v| v * v).sum::<f64>() / part.len().max(1) as f64;
         match list.iter_mut().find(|f| f.effect == effect) {
@@ -298,7 +340,7 @@ pub fn found(work: &Work, selection: &Selection, numbers: &Numbers, undecided: &
             entry.confounded_with.extend(new);
         }
     }
-    of_ripple(work, &mut list);
+    of_ripple(work, numbers, &mut list);
     // Once a turn of the output may be a weight as well as a wheel.
     let of_output = |e: &dyn Effect| e.shape() == Shape::Order && e.needs().contains(&Variable::OutputAngle);
     for entry in list.iter_mut().filter(|f| of_output(f.effect) && f.instances.iter().any(|i| i.last() == Some(&1.0))) {

@@ -48,13 +48,10 @@ const KEPT: f64 = 0.01;
 /// The machine of a report: its parameters and effects on the declared ones.
 pub(super) fn fitted_machine(bench: &Bench, report: &Report, is_voltage: bool) -> (Machine, Vec<&'static str>) {
     let mut machine = declared_machine(&bench.declared, is_voltage);
-    // A report of the balance holds the drive and scales the load; one of the simulation does not.
-    let of_balance = report.target != Target::Position;
     for p in &report.parameters {
         match p.name.as_str() {
             "inertia" | "mass" => machine.inertia = p.fitted,
             "damping" => machine.damping = p.fitted,
-            "torque_constant" if of_balance => machine.load_scale = machine.torque_constant / p.fitted,
             "torque_constant" => machine.torque_constant = p.fitted,
             name => {
                 let Some(of) = Named::read(name) else { continue };
@@ -63,6 +60,11 @@ pub(super) fn fitted_machine(bench: &Bench, report: &Report, is_voltage: bool) -
                 }
             }
         }
+    }
+    // The back-EMF within it goes with the torque constant.
+    if !report.parameters.iter().any(|p| p.name == "damping") {
+        let declared = bench.declared.motor.as_ref().map_or(machine.torque_constant, |motor| motor.torque_constant);
+        machine.damping *= machine.torque_constant / declared;
     }
     let mut not_simulated = Vec::new();
     for found in &report.effects {
@@ -73,7 +75,8 @@ pub(super) fn fitted_machine(bench: &Bench, report: &Report, is_voltage: bool) -
             not_simulated.push(found.name());
         }
     }
-    for a in report.artefacts.iter().filter(|a| !of_balance && a.kind == ArtefactKind::Lag) {
+    let of_simulation = report.target == Target::Position;
+    for a in report.artefacts.iter().filter(|a| of_simulation && a.kind == ArtefactKind::Lag) {
         machine.lag = a.value;
     }
     (machine, not_simulated)
@@ -143,7 +146,7 @@ fn slots(machine: &Machine, report: &Report) -> Vec<Slot> {
         slots.push(Slot::Damping);
     }
     if seen("torque_constant") {
-        slots.push(if report.target == Target::Position { Slot::TorqueConstant } else { Slot::LoadScale });
+        slots.push(Slot::TorqueConstant);
     }
     if machine.lag > 0.0 {
         slots.push(Slot::Lag);

@@ -62,8 +62,6 @@ pub struct Machine {
     pub damping: f64,
     /// Inertia of rotor and gear \[kg·m²\].
     pub inertia: f64,
-    /// What the known load is multiplied with.
-    pub load_scale: f64,
     /// Delay between the measurement of a controller, or a logged input, and its effect \[s\].
     pub lag: f64,
     /// Effects.
@@ -111,13 +109,12 @@ struct Forces {
     /// Inertia of all that moves \[kg·m²\].
     inertia: f64,
     load_inertia: f64,
-    load_scale: f64,
 }
 
 impl Forces {
     /// What pushes at standstill.
     fn net(&self) -> f64 {
-        self.given - self.load_scale * self.weight
+        self.given - self.weight
     }
 
     /// Acceleration in a direction at a speed under dry friction `constant + factor·|τ|`. The transmitted
@@ -140,7 +137,7 @@ impl Machine {
     /// The rate at which speed decays at most \[1/s\]: a step in time has to be shorter.
     pub fn fastest(&self, load_inertia: f64) -> f64 {
         let n = self.ratio;
-        let inertia = n * n * self.inertia + self.load_scale * load_inertia;
+        let inertia = n * n * self.inertia + load_inertia;
         let at = |speed: f64| Operating { speed, direction: 1.0, ..Operating::UNKNOWN };
         let viscous: f64 = self
             .terms
@@ -230,9 +227,8 @@ impl Machine {
             given: n * (torque - drag),
             damping: n * n * damping,
             weight,
-            inertia: n * n * self.inertia + self.load_scale * sample.load_inertia,
+            inertia: n * n * self.inertia + sample.load_inertia,
             load_inertia: sample.load_inertia,
-            load_scale: self.load_scale,
         };
         (forces, at)
     }

@@ -18,7 +18,6 @@ pub(super) enum Slot {
     TorqueConstant,
     Damping,
     Inertia,
-    LoadScale,
     Lag,
     /// A value of a term.
     Value(usize, usize),
@@ -47,7 +46,6 @@ pub(super) fn declared_machine(declared: &Declared, is_voltage: bool) -> Machine
         back_emf: 0.0,
         damping: 0.0,
         inertia: declared.mass.unwrap_or(0.0),
-        load_scale: 1.0,
         lag: 0.0,
         terms,
     };
@@ -148,7 +146,6 @@ impl Model {
             Slot::TorqueConstant => Base::TorqueConstant.name().into(),
             Slot::Damping => Base::Damping.name().into(),
             Slot::Inertia => Base::Inertia.name().into(),
-            Slot::LoadScale => Base::LoadScale.name().into(),
             Slot::Lag => "lag".into(),
             Slot::Value(term, index) => {
                 let Term { effect, values, .. } = &self.machine.terms[term];
@@ -162,7 +159,6 @@ impl Model {
             Slot::TorqueConstant => self.machine.torque_constant,
             Slot::Damping => self.machine.damping,
             Slot::Inertia => self.machine.inertia,
-            Slot::LoadScale => self.machine.load_scale,
             Slot::Lag => self.machine.lag,
             Slot::Value(term, index) => self.machine.terms[term].values[index],
         }
@@ -180,7 +176,6 @@ impl Model {
                 Slot::TorqueConstant => machine.torque_constant = *value,
                 Slot::Damping => machine.damping = *value,
                 Slot::Inertia => machine.inertia = *value,
-                Slot::LoadScale => machine.load_scale = *value,
                 Slot::Lag => machine.lag = *value,
                 Slot::Value(term, index) => machine.terms[*term].values[*index] = *value,
             }
@@ -218,9 +213,7 @@ impl Model {
             .map(|slot| {
                 let value = self.get(*slot);
                 match *slot {
-                    Slot::TorqueConstant | Slot::LoadScale => {
-                        within(value, value.abs(), 0.05 * value.abs(), 20.0 * value.abs())
-                    }
+                    Slot::TorqueConstant => within(value, value.abs(), 0.05 * value.abs(), 20.0 * value.abs()),
                     Slot::Damping => within(value, self.scale.torque / self.scale.speed, 0.0, f64::INFINITY),
                     Slot::Inertia => {
                         // Without a load there must be some.

@@ -23,7 +23,6 @@ fn idle(terms: Vec<Term>) -> Machine {
         back_emf: 0.0,
         damping: 0.0,
         inertia: 0.0,
-        load_scale: 1.0,
         lag: 0.0,
         terms,
     }

@@ -21,7 +21,6 @@ fn rotor() -> Machine {
         back_emf: 0.0,
         damping: 0.0,
         inertia: 0.5,
-        load_scale: 1.0,
         lag: 0.0,
         terms: Vec::new(),
     }

@@ -6,6 +6,8 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
+use gearwise::measured::Bench;
+use gearwise::measured::fitted::fitted_motor;
 use gearwise::measured::identify::{Ground, Options, Report, Verdict, identify};
 use gearwise::measured::read::read;
 
@@ -19,6 +21,7 @@ const ROTOR: f64 = 4e-5;
 /// The true machine: friction at the motor, and a pendulum (inertia, weight, angle at which it hangs) at the output.
 #[derive(Clone, Copy)]
 struct Machine {
+    torque_constant: f64,
     coulomb: f64,
     /// What is added to it at rest, and the speed of the motor over which it goes.
     stribeck: (f64, f64),
@@ -31,6 +34,7 @@ struct Machine {
 
 /// A machine without friction, load or weight.
 const SMOOTH: Machine = Machine {
+    torque_constant: TORQUE_CONSTANT,
     coulomb: 0.0,
     stribeck: (0.0, 1.0),
     viscous: 0.0,
@@ -49,6 +53,11 @@ impl Machine {
 
 /// Writes a bench file with a motor that has nothing but its constants, and reads it.
 fn identified(folder: &Path, kind: &str, more: &str, columns: &str, logs: &[String]) -> Vec<Report> {
+    let bench = bench(folder, kind, more, columns, logs);
+    identify(&bench, &Options::default()).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn bench(folder: &Path, kind: &str, more: &str, columns: &str, logs: &[String]) -> Bench {
     let catalog = format!(
         "id,manufacturer,model,construction,commutation,winding,terminals,current,resistance [ohm],torque_constant [N*m/A],\
          rotor_inertia [kg*m^2],mass [kg],continuous_torque [N*m],peak_torque [N*m],source,source_kind\n\
@@ -66,8 +75,7 @@ fn identified(folder: &Path, kind: &str, more: &str, columns: &str, logs: &[Stri
     }
     let path = folder.join("bench.toml");
     fs::write(&path, bench).unwrap();
-    let bench = read(&path).unwrap_or_else(|e| panic!("{}", e[0]));
-    identify(&bench, &Options::default()).unwrap_or_else(|e| panic!("{e}"))
+    read(&path).unwrap_or_else(|e| panic!("{}", e[0]))
 }
 
 fn value(reports: &[Report], effect: &str, parameter: usize) -> Option<f64> {
@@ -100,7 +108,7 @@ fn noisy_log(machine: Machine, seed: u64, noise: f64) -> String {
         let (speed, acceleration) = ((after - before) / (2.0 * step), (after - 2.0 * now + before) / (step * step));
         let transmitted = (machine.inertia * acceleration + machine.weight * (now - machine.hangs_at).sin()) / RATIO;
         let torque = transmitted + ROTOR * RATIO * acceleration + machine.friction(RATIO * speed, transmitted);
-        let current = torque / TORQUE_CONSTANT + noise * random.normal();
+        let current = torque / machine.torque_constant + noise * random.normal();
         let _ = writeln!(text, "{t:.4},{:.6},{current:.5}", now + 1e-5 * random.normal());
     }
     text
@@ -137,6 +145,46 @@ fn a_weight_that_is_fitted_shows_what_the_gear_loses_of_it() {
         }
         let coulomb = value(&reports, "coulomb_friction", 0).unwrap();
         assert!((coulomb / 0.05 - 1.0).abs() < 0.15, "{coulomb}");
+    }
+}
+
+/// Against a known load a wrong torque constant is found, and scales no other number: neither in the report nor in the fitted actuator.
+#[test]
+fn a_wrong_torque_constant_scales_no_other_number() {
+    for (factor, seed) in [(1.25, 3), (0.8, 4), (1.0, 5)] {
+        let machine = Machine {
+            torque_constant: factor * TORQUE_CONSTANT,
+            coulomb: 0.06,
+            viscous: 4e-4,
+            load_friction: 0.15,
+            inertia: 0.02,
+            weight: 6.0,
+            ..SMOOTH
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let logs = [current_log(machine, seed), current_log(machine, seed + 10)];
+        let load = "load = { inertia = \"0.02 kg*m^2\", gravity_torque = \"6 N*m\" }";
+        let bench = bench(folder.path(), "free", load, CURRENT, &logs);
+        let reports = identify(&bench, &Options::default()).unwrap();
+        let shown = |name: &str| {
+            let of = reports[0].parameters.iter().find(|p| p.name == name);
+            of.unwrap_or_else(|| panic!("{name}: {:?}", reports[0].parameters)).fitted
+        };
+        let effect = |name: &str| value(&reports, name, 0).unwrap_or_else(|| panic!("{:?}", reports[0].refused));
+        let near = |name: &str, found: f64, truth: f64, within: f64| {
+            assert!((found / truth - 1.0).abs() < within, "{factor} {name}: {found} {truth}");
+        };
+        near("torque constant", shown("torque_constant"), machine.torque_constant, 0.02);
+        near("inertia", shown("inertia"), ROTOR, 0.1);
+        near("Coulomb friction", effect("coulomb_friction"), machine.coulomb, 0.06);
+        near("load", effect("load_dependent_friction"), machine.load_friction, 0.1);
+        let fitted = fitted_motor(&bench, &reports).unwrap();
+        // Written as far as the digits are known.
+        near("written constant", fitted.torque_constant, shown("torque_constant"), 1e-6);
+        near("written inertia", fitted.rotor_inertia.unwrap(), shown("inertia"), 1e-6);
+        near("written Coulomb friction", fitted.coulomb_friction.unwrap(), effect("coulomb_friction"), 1e-6);
+        let known = &reports[0].fitted_names;
+        assert!(known.iter().any(|n| n == "torque_constant") && !known.iter().any(|n| n == "load_scale"), "{known:?}");
     }
 }
 

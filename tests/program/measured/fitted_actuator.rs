@@ -296,26 +296,6 @@ fn of_two_equations_the_surer_is_used_alone_and_the_other_told() {
     }
 }
 
-/// `N K_0 i = s (load + J α + c)` with s = K_0/K_T: what a drive against a known load shows is s times the machine's.
-#[test]
-fn a_load_that_seems_scaled_scales_what_was_fitted_beside_it() {
-    let bench = bench(&[], 1.0);
-    let mut seen = report(Target::Drive, &[("torque_constant", 0.125, 1e-3), ("inertia", 8e-6, 1e-8)]);
-    // K_T = K_0/s: s = 0.8, its error 0.8²·1e-3/0.1.
-    seen.fitted_names[0] = "load_scale".into();
-    seen.covariance[0][0] = (0.64_f64 * 1e-3 / 0.1).powi(2);
-    seen.effects = vec![found("coulomb_friction", &[("torque", 0.008, 1e-5)], vec![vec![0.008]])];
-    let fitted = fitted_motor(&bench, std::slice::from_ref(&seen)).unwrap();
-    close(fitted.torque_constant, 0.125);
-    close(fitted.sheet.torque_constant.unwrap().tolerance.unwrap(), 1.96 * 0.125 * 0.125 / 0.1 * 0.0064);
-    close(fitted.rotor_inertia.unwrap(), 1e-5);
-    close(fitted.coulomb_friction.unwrap(), 0.01);
-    // J = J_s/s: variance (σ/s)² + (J_s σ_s/s²)².
-    let variance: f64 = (1e-8_f64 / 0.8).powi(2) + (8e-6 * 0.0064 / 0.64_f64).powi(2);
-    close(fitted.sheet.rotor_inertia.unwrap().tolerance.unwrap(), 1.96 * variance.sqrt());
-    checked(&bench, &[seen]);
-}
-
 /// From duty K_T/R is seen: with a resistance that another equation shows it is another K_T.
 #[test]
 fn a_quotient_takes_the_resistance_that_was_seen() {

@@ -169,7 +169,7 @@ fn parameters_are_told_with_their_errors() {
     let bench = bench(6.0, &[points], 0);
     let mut work = work(&bench);
     let first = work.balance.base[0].which;
-    let numbers = |name: &str| Numbers::of_one(name, 1.25, 4e-4);
+    let numbers = |name: &str| Numbers::independent(&[(name, 1.25, 4e-4)]);
     let undecided = Undecided { effect: effect("eddy_drag").unwrap(), beside: None, by: 0.05 };
     let told = parameters(&work, &numbers(first.name()), &[Some(undecided)], &[]);
     assert_eq!((told.len(), told[0].name.as_str(), told[0].declared), (1, "torque_constant", Some(CONSTANT)));
@@ -178,7 +178,8 @@ fn parameters_are_told_with_their_errors() {
     assert!((told[0].tolerance().unwrap() - 1.96 * 0.0029_f64.sqrt()).abs() < 1e-15);
     // 0.1/1.25 = 0.08, with 0.1 · 0.02/1.25².
     std::sync::Arc::make_mut(&mut work.balance).base[0].which = Base::LoadScale;
-    let told = parameters(&work, &numbers("load_scale"), &[Some(undecided)], &[]);
+    let of_machine = numbers("load_scale").of_the_machine(CONSTANT, &[false]);
+    let told = parameters(&work, &of_machine, &[Some(undecided)], &[]);
     assert_eq!((told.len(), told[0].name.as_str(), told[0].declared), (1, "torque_constant", Some(CONSTANT)));
     assert!((told[0].fitted - 0.08).abs() < 1e-15 && told[0].unit == "N*m/A");
     assert!((told[0].standard_error.unwrap() - 0.00128).abs() < 1e-15);
@@ -190,6 +191,25 @@ fn parameters_are_told_with_their_errors() {
         (1, Some(CONSTANT), CONSTANT, None)
     );
     assert!(parameters(&work, &numbers("nothing"), &[], &[]).is_empty());
+}
+
+/// `N K_0 i = s (load + J α + c)` with s = K_0/K_T: every torque against a known load is s times the machine's.
+#[test]
+fn numbers_are_those_of_the_machine() {
+    let equation =
+        [("load_scale", 0.8, 0.0064_f64.powi(2)), ("inertia", 8e-6, 1e-16), ("stribeck_friction.speed", 3.0, 0.01)];
+    let machine = Numbers::independent(&equation).of_the_machine(0.1, &[false, true, false]);
+    let close = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-12, "{a} {b}");
+    assert_eq!(machine.names, ["torque_constant", "inertia", "stribeck_friction.speed"]);
+    for (value, expected) in machine.values.iter().zip([0.125, 1e-5, 3.0]) {
+        close(*value, expected);
+    }
+    close(machine.covariance[(0, 0)].sqrt(), 0.1 / 0.64 * 0.0064);
+    // J = J_s/s: variance (σ/s)² + (J_s σ_s/s²)².
+    close(machine.covariance[(1, 1)], (1e-8_f64 / 0.8).powi(2) + (8e-6 * 0.0064 / 0.64_f64).powi(2));
+    // A larger scale is a smaller torque constant and a smaller inertia.
+    close(machine.covariance[(0, 1)], 0.1 / 0.64 * 8e-6 / 0.64 * 0.0064_f64.powi(2));
+    close(machine.covariance[(2, 2)], 0.01);
 }
 
 /// The conventions differ by √(3/2), √3 and √2 and by one over them. What is off by something else, by nothing, or not surely,
