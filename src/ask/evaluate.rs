@@ -257,10 +257,9 @@ fn figures(e: &Evaluation, joint: &Joint, slope: f64) -> [f64; FIGURES] {
     ]
 }
 
-/// Margin and sample of a limit. Of one that is asked several times (of each actuator, at each end of the drag) the least counts.
+/// Margin and sample of a limit.
 fn least(evaluation: &Evaluation, name: &str) -> (f64, i64) {
-    let of = evaluation.margins.iter().filter(|margin| margin.limit == name);
-    let least = of.reduce(|a, b| if b.margin < a.margin { b } else { a });
+    let least = evaluation.least(name);
     least.map_or(NO_MARGIN, |least| (least.margin, least.sample.map_or(-1, |k| k as i64)))
 }
 

@@ -749,6 +749,12 @@ impl Evaluation {
         }
     }
 
+    /// The smallest margin of a limit: of one that is asked several times (of each actuator, at each end of the drag) the least counts.
+    pub fn least(&self, limit: &str) -> Option<&Margin> {
+        let of = self.margins.iter().filter(|margin| margin.limit == limit);
+        of.min_by(|a, b| a.margin.total_cmp(&b.margin))
+    }
+
     /// The limit with the smallest margin.
     pub fn tightest(&self) -> Option<&Margin> {
         self.margins.iter().min_by(|a, b| a.margin.total_cmp(&b.margin))

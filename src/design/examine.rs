@@ -39,9 +39,9 @@ pub struct Examined {
 }
 
 impl Examined {
-    /// `1 − demand/limit` of a limit, where it was checked.
+    /// `1 − demand/limit` of a limit, the least of all that ask for it, where it was checked.
     pub fn margin(&self, limit: &str) -> Option<f64> {
-        self.evaluation.margins.iter().find(|m| m.limit == limit).map(|m| m.margin)
+        self.evaluation.least(limit).map(|least| least.margin)
     }
 
     /// What is left of a limit over the bare demand, without the requirement's safety factor and reserve.

@@ -137,7 +137,7 @@ fn exceeded(whole: &Robot, demand: &JointDemand, found: &JointResult, stop: Stop
 /// The samples that make a figure of a design worse than that of the samples that were looked at.
 fn farther(whole: &Prepared, part: &Evaluation) -> Vec<usize> {
     let all = whole.at_in_full(part.ratio);
-    let known = |limit: &str| part.margins.iter().find(|margin| margin.limit == limit).map(|margin| margin.margin);
+    let known = |limit: &str| part.least(limit).map(|least| least.margin);
     let smaller = |margin: &&Margin| known(margin.limit).is_none_or(|known| margin.margin < known - SAME);
     let mut fresh: Vec<usize> = all.margins.iter().filter(smaller).filter_map(|margin| margin.sample).collect();
     let more = |all: f64, part: f64| all > part + SAME * part.abs();

@@ -45,6 +45,8 @@ pub struct Hardware {
     pub gear: Option<f64>,
     /// Largest torque \[N·m\].
     pub peak: Option<Fact>,
+    /// The torque above which it certainly gives nothing, where `peak` is not known: what its gear may carry \[N·m\].
+    pub peak_most: Option<Fact>,
     /// The same before the gear's loss, N K_T I, where a loss is known: what a simulator whose joints have none is told \[N·m\].
     pub before_loss: Option<Fact>,
     /// Torques of other meanings that a row prints, each with its name \[N·m\].
@@ -66,6 +68,11 @@ pub struct Hardware {
 }
 
 impl Hardware {
+    /// The torque above which it certainly gives nothing; `None` where no row says one.
+    pub fn strongest(&self) -> Option<&Fact> {
+        self.peak.as_ref().or(self.peak_most.as_ref())
+    }
+
     /// The speed above which it certainly gives nothing; `None` where no row says one.
     pub fn fastest(&self) -> Option<&Fact> {
         self.no_load_most.as_ref().or(self.no_load.as_ref())
@@ -125,6 +132,7 @@ fn over_the_range(mount: &Mount, of: impl Fn(f64) -> Hardware) -> Hardware {
     Hardware {
         varies: true,
         peak: there(strongest.peak, "largest"),
+        peak_most: there(strongest.peak_most, "largest"),
         before_loss: there(strongest.before_loss, "largest"),
         no_load: there(fastest.no_load, "smallest"),
         no_load_most: there(fastest.no_load_most, "smallest"),
@@ -249,6 +257,7 @@ fn of_module(mount: &Mount, r: f64, module: &Module) -> Hardware {
         varies: false,
         gear: Some(ratio).filter(|n| n.is_finite()),
         peak,
+        peak_most: None,
         before_loss: None,
         others,
         no_load,
@@ -297,12 +306,16 @@ fn of_motor(mount: &Mount, r: f64, motor: &Motor, gear: Option<&Gear>, ratio: f6
         fact(r * ratio * torque, how, Holds::Exactly)
     });
     let mut peak = peak.map(|(torque, of)| at_joint(torque, of));
-    let of_gear = gear.and_then(|gear| Some((gear, gear.ratings.momentary_peak_torque.or(gear.peak_torque)?)));
-    if let Some((gear, torque)) = of_gear
-        && peak.as_ref().is_some_and(|peak| r * torque < peak.value)
-    {
+    let of_gear = gear.and_then(|gear| Some((gear, gear.peak_torque.or(gear.ratings.momentary_peak_torque)?)));
+    let by_gear = of_gear.map(|(gear, torque)| {
         let how = format!("{}peak torque of the gear {}, {} N*m{}", times(r, ""), gear.id, number(torque), with_r(r));
-        peak = Some(fact(r * torque, how, Holds::Exactly));
+        fact(r * torque, how, Holds::Exactly)
+    });
+    let peak_most = by_gear.clone().filter(|_| peak.is_none());
+    if let (Some(own), Some(by_gear)) = (&peak, by_gear)
+        && by_gear.value < own.value
+    {
+        peak = Some(by_gear);
     }
     if let Some((_, torque)) = of_gear
         && before_loss.as_ref().is_some_and(|before| r * torque < before.value)
@@ -325,7 +338,10 @@ fn of_motor(mount: &Mount, r: f64, motor: &Motor, gear: Option<&Gear>, ratio: f6
         speed(free, format!("speed without load at {} V, {} rad/s of the motor", number(voltage), number(free)))
     });
     let by_row = motor.max_speed.map(|most| speed(most, format!("max_speed {} rad/s of the motor", number(most))));
-    let no_load = by_voltage.into_iter().chain(by_row).min_by(|a, b| a.value.total_cmp(&b.value));
+    let by_gear = gear.and_then(|gear| Some((&gear.id, gear.max_input_speed?)));
+    let by_gear =
+        by_gear.map(|(id, most)| speed(most, format!("largest input speed of the gear {id}, {} rad/s", number(most))));
+    let no_load = by_voltage.into_iter().chain(by_row).chain(by_gear).min_by(|a, b| a.value.total_cmp(&b.value));
     let armature = motor.rotor_inertia.map(|rotor| {
         // Where nothing is between motor and flange there is no inertia of a gear.
         let inner = if gear.is_none() && ratio == 1.0 { Some(0.0) } else { gear.and_then(|gear| gear.inertia) };
@@ -360,6 +376,7 @@ fn of_motor(mount: &Mount, r: f64, motor: &Motor, gear: Option<&Gear>, ratio: f6
         varies: false,
         gear: Some(ratio),
         peak,
+        peak_most,
         before_loss,
         others,
         no_load,

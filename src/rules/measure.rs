@@ -180,8 +180,7 @@ const OWN: &[Own] = &[
 fn temperature_reserve(_: &JointFacts, examined: &Examined) -> Option<f64> {
     let steady = examined.hottest.zip(examined.winding_temperature.kelvin_or_infinite());
     let steady = steady.map(|(limit, steady)| limit - steady);
-    let over_motion =
-        examined.evaluation.margins.iter().find(|m| m.limit == "winding_peak_temperature").map(|m| m.bound - m.demand);
+    let over_motion = examined.evaluation.least("winding_peak_temperature").map(|m| m.bound - m.demand);
     match (steady, over_motion) {
         (Some(a), Some(b)) => Some(a.min(b)),
         (a, b) => a.or(b),

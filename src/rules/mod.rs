@@ -410,7 +410,7 @@ fn limit_remarks(limit: &'static str, joint: &JointFacts) -> Result<Vec<Remark>,
     if let Some((_, why)) = examined.unchecked.iter().find(|(name, _)| *name == limit) {
         return Err(why);
     }
-    let margin = examined.evaluation.margins.iter().find(|m| m.limit == limit).ok_or("nobody asks for it")?;
+    let margin = examined.evaluation.least(limit).ok_or("nobody asks for it")?;
     if margin.margin >= -FEASIBILITY_TOLERANCE {
         return Ok(Vec::new());
     }

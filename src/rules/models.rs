@@ -2,7 +2,7 @@
 
 use std::ops::Range as Span;
 
-use crate::hardware::{Hardware, HardwareFile, Holds};
+use crate::hardware::{Fact, Hardware, HardwareFile, Holds};
 use crate::mechanism::stated::{Joint, Model, Quantity, Stated};
 use crate::words::number;
 
@@ -35,6 +35,70 @@ pub struct ModelJoint<'a> {
     pub hardware: Option<&'a Hardware>,
     /// The coupling that it is part of, by its index.
     pub coupling: Option<usize>,
+    /// Terms that its hardware adds to its equation of motion.
+    pub reflected: Reflected,
+}
+
+/// Inertia and friction that all actuators which move a joint have there.
+#[derive(Debug, Clone, Default)]
+pub struct Reflected {
+    /// Inertia of rotors and gears \[kg·m²\].
+    pub armature: Option<Fact>,
+    /// Coulomb friction \[N·m\].
+    pub friction: Option<Fact>,
+    /// Viscous friction \[N·m·s/rad\].
+    pub damping: Option<Fact>,
+}
+
+impl Reflected {
+    /// Terms of the only actuator of a joint.
+    fn alone(hardware: &Hardware) -> Reflected {
+        Reflected {
+            armature: hardware.armature.clone(),
+            friction: hardware.friction.clone(),
+            damping: hardware.damping.clone(),
+        }
+    }
+
+    /// Terms of two actuators that turn with a joint, each by its factor of J, while the other joint of the coupling stands: the
+    /// diagonal of `Jᵀ diag(a, b) J`, and `|J|` for the Coulomb friction.
+    fn coupled(both: [(f64, Option<&Hardware>); 2]) -> Reflected {
+        let sum = |of: fn(&Hardware) -> &Option<Fact>, power: i32| {
+            let sign = if power == 2 { "²" } else { "" };
+            let mut found: Option<Fact> = None;
+            let mut holds = Holds::Exactly;
+            for (factor, hardware) in both.into_iter().filter(|(factor, _)| *factor != 0.0) {
+                let Some(fact) = hardware.and_then(|hardware| of(hardware).as_ref()) else {
+                    holds = Holds::AtLeast;
+                    continue;
+                };
+                if fact.holds == Holds::AtLeast {
+                    holds = Holds::AtLeast;
+                }
+                let value = factor.abs().powi(power) * fact.value;
+                let how = format!("{}{sign} × {}", number(factor.abs()), fact.how);
+                found = Some(match found {
+                    None => Fact { value, how, ..fact.clone() },
+                    Some(first) => {
+                        let both = |a: String, b: &str| if a == b { a } else { format!("{a}; {b}") };
+                        Fact {
+                            value: first.value + value,
+                            how: format!("{} + {how}, of both actuators of the coupling", first.how),
+                            row: both(first.row, &fact.row),
+                            source: both(first.source, &fact.source),
+                            holds,
+                        }
+                    }
+                });
+            }
+            found.map(|fact| Fact { holds, ..fact })
+        };
+        Reflected {
+            armature: sum(|hardware| &hardware.armature, 2),
+            friction: sum(|hardware| &hardware.friction, 1),
+            damping: sum(|hardware| &hardware.damping, 2),
+        }
+    }
 }
 
 impl ModelJoint<'_> {
@@ -57,8 +121,18 @@ impl<'a> ModelFacts<'a> {
             joints.extend(model.joints.iter().map(|joint| {
                 let mount = file.mounts.iter().position(|mount| mount.drives(&joint.name));
                 let coupling = file.couplings.iter().position(|coupling| coupling.joints.contains(&joint.name));
-                let hardware = mount.and_then(|mount| hardware.get(mount));
-                ModelJoint { model: k, joint, mount, hardware, coupling }
+                let of = |name: &str| {
+                    let mount = file.mounts.iter().position(|mount| mount.drives(name));
+                    mount.and_then(|mount| hardware.get(mount))
+                };
+                let reflected = match coupling.map(|coupling| &file.couplings[coupling]) {
+                    Some(coupling) => {
+                        let column = usize::from(coupling.joints[0] != joint.name);
+                        Reflected::coupled([0, 1].map(|k| (coupling.matrix[k][column], of(&coupling.joints[k]))))
+                    }
+                    None => of(&joint.name).map(Reflected::alone).unwrap_or_default(),
+                };
+                ModelJoint { model: k, joint, mount, hardware: of(&joint.name), coupling, reflected }
             }));
         }
         let mut facts = ModelFacts { models, file, hardware, joints, same_limits: Vec::new() };
@@ -127,11 +201,11 @@ impl<'a> ModelFacts<'a> {
             }
             (Quantity::Armature, value) => {
                 let value = value.unwrap_or(0.0);
-                let fact = hardware.armature.as_ref();
+                let fact = of.reflected.armature.as_ref();
                 fact.is_some_and(|fact| differs(value, fact.value, fact.holds, tolerances.armature))
             }
             (Quantity::Friction | Quantity::Damping, value) => {
-                let fact = if quantity == Quantity::Friction { &hardware.friction } else { &hardware.damping };
+                let fact = if quantity == Quantity::Friction { &of.reflected.friction } else { &of.reflected.damping };
                 let value = value.unwrap_or(0.0);
                 fact.as_ref().is_some_and(|fact| differs(value, fact.value, fact.holds, tolerances.friction))
             }

@@ -1,8 +1,8 @@
 //! The numbers of an actuator at its joint, without words and lines: for maps over many ratios.
 
 use super::{
-    SimulatedJoint, braking_torque, continuous_torque, inside, largest_speed, no_load_speed, peak_torque,
-    speed_at_torque, stall_torque,
+    NoLoad, SimulatedJoint, braking_torque, continuous_torque, held, inside, is_of_candidate, largest_speed,
+    no_load_friction, no_load_speed, peak_torque, speed_at_torque, stall_torque,
 };
 use crate::actuator::limits::Candidate;
 use crate::effects::{EFFECTS, SimulatorField};
@@ -104,7 +104,7 @@ fn factors(candidate: &Candidate, is_behind_loss: bool) -> (f64, f64) {
     let says = inside(candidate).is_none_or(|inside| inside.gear_loss.is_some());
     match (is_behind_loss, says) {
         (true, _) => (1.0, 1.0),
-        (false, true) => (candidate.gear.efficiency, 1.0 / candidate.gear.backdrive_efficiency),
+        (false, true) => (candidate.gear.efficiency, held(candidate.gear.backdrive_efficiency)),
         (false, false) => (f64::NAN, f64::NAN),
     }
 }
@@ -115,13 +115,17 @@ fn frictions(candidate: &Candidate, ratio: f64) -> (f64, f64) {
     let motor = candidate.motor;
     for effect in EFFECTS {
         let fitted = motor.effects.iter().filter(|f| f.name() == effect.name()).map(|f| f.values.clone());
-        for values in motor.declared(*effect).into_iter().chain(fitted) {
+        for values in motor.declared(*effect).into_iter().chain(fitted).filter(|_| is_of_candidate(candidate, *effect))
+        {
             match effect.export(&values, ratio) {
                 SimulatorField::Damping(value) => *damping.get_or_insert(0.0) += value,
                 SimulatorField::FrictionLoss(value) => *friction.get_or_insert(0.0) += value,
                 _ => {}
             }
         }
+    }
+    if let NoLoad::Coulomb(torque) = no_load_friction(motor) {
+        *friction.get_or_insert(0.0) += torque * ratio;
     }
     let of_gear = candidate.gear.no_load;
     for (sum, own) in [(&mut damping, of_gear.viscous * ratio * ratio), (&mut friction, of_gear.coulomb * ratio)] {

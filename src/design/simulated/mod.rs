@@ -14,8 +14,11 @@ pub use figures::Figures;
 pub use line::Line;
 
 use crate::actuator::limits::{Candidate, hottest};
+use crate::catalog::Motor;
+use crate::catalog::convention::Commutation;
+use crate::catalog::drag::Drag;
 use crate::catalog::module::{BUILT_IN, Inside};
-use crate::effects::{EFFECTS, Effect, SimulatorField};
+use crate::effects::{EFFECTS, Effect, Side, SimulatorField};
 use crate::requirement::FamilyPlace;
 use crate::transmission::{Passed, Via};
 
@@ -186,9 +189,13 @@ impl SimulatedJoint {
         for effect in EFFECTS {
             let declared = motor.declared(*effect);
             let fitted = motor.effects.iter().filter(|f| f.name() == effect.name()).map(|f| f.values.clone());
-            for values in declared.into_iter().chain(fitted) {
+            for values in declared.into_iter().chain(fitted).filter(|_| is_of_candidate(candidate, *effect)) {
                 joint.add(*effect, &values);
             }
+        }
+        let drag = no_load_friction(motor);
+        if let NoLoad::Coulomb(torque) = drag {
+            *joint.friction_loss.get_or_insert(0.0) += torque * ratio;
         }
         if let Some(module) = inside(candidate).map(|inside| &inside.module).filter(|_| joint.friction_loss.is_none())
             && let Some(at_rest) = module.at_output(module.sheet.static_friction, module.refers.friction_side, 1)
@@ -199,13 +206,23 @@ impl SimulatedJoint {
         let of_gear = candidate.gear.no_load;
         let frictions = [
             ("viscous friction", &mut joint.damping, of_gear.viscous * ratio * ratio),
-            ("Coulomb friction", &mut joint.friction_loss, of_gear.coulomb * ratio),
+            (COULOMB, &mut joint.friction_loss, of_gear.coulomb * ratio),
         ];
         let mut unknown = Vec::new();
         for (name, value, of_gear) in frictions {
             if value.is_none() {
                 let what = if of_gear > 0.0 { "only the gear's" } else { "nothing" };
-                unknown.push((name, format!("the motor's is not known; {what} is written")));
+                let number = crate::words::number;
+                let known = match drag {
+                    NoLoad::AtMost(torque) if name == COULOMB => {
+                        format!(
+                            "the motor's is 0 to {} N*m: how much of its drag grows with speed is not known",
+                            number(torque * ratio)
+                        )
+                    }
+                    _ => "the motor's is not known".into(),
+                };
+                unknown.push((name, format!("{known}; {what} is written")));
             }
             if of_gear > 0.0 {
                 *value.get_or_insert(0.0) += of_gear;
@@ -267,6 +284,7 @@ impl SimulatedJoint {
         self.speed = at_joint(self.speed);
         self.mechanical_speed = self.mechanical_speed.map(at_joint);
         self.speed_at_motor_torque = self.speed_at_motor_torque.map(|speed| speed / r);
+        let gear_ratio = self.ratio;
         self.ratio *= r;
         // What turns with the transmission counts as if it were the gear's: N r squared times both is the armature.
         let squared = self.ratio * self.ratio;
@@ -279,9 +297,15 @@ impl SimulatedJoint {
         let most = passed.numbers.max_input_speed.map(|most| Bound { value: most / r, owner: "transmission" });
         self.mechanical_speed = least([self.mechanical_speed, most]);
         if let Some(most) = passed.numbers.peak_torque.map(|most| most / self.ratio) {
-            for torque in [&mut self.motor_torque, &mut self.braking_motor_torque] {
-                *torque = least([*torque, Some(Bound { value: most, owner: "transmission" })]);
+            for torque in [&mut self.motor_torque, &mut self.braking_motor_torque, &mut self.continuous_motor_torque] {
+                // What is not known stays so: for ever there may be less than the transmission carries for a moment.
+                let known =
+                    torque.map(|torque| least([Some(torque), Some(Bound { value: most, owner: "transmission" })]));
+                *torque = known.unwrap_or(None);
             }
+            // The corner is that of the torque that is left.
+            let corner = self.motor_torque.and_then(|torque| speed_at_torque(candidate, torque.value, gear_ratio));
+            self.speed_at_motor_torque = corner.map(|speed| (speed / r).min(self.speed.value));
         }
     }
 
@@ -319,7 +343,7 @@ impl SimulatedJoint {
     pub fn load_factors(&self) -> Option<(f64, f64)> {
         let gear = if self.is_behind_loss { Some((1.0, 1.0)) } else { self.efficiencies };
         let (behind, backwards) = self.transmission_efficiencies;
-        gear.map(|(efficiency, driven)| (efficiency * behind, 1.0 / (driven * backwards)))
+        gear.map(|(efficiency, driven)| (efficiency * behind, held(driven) * held(backwards)))
     }
 
     /// Largest torque at the output while the load drives \[N·m\], before the gear's loss.
@@ -587,13 +611,73 @@ fn braking_torque(candidate: &Candidate, ratio: f64) -> Option<Bound> {
 
 /// Torque at the motor that can be held for ever, by current, torque, temperature or gear.
 fn continuous_torque(candidate: &Candidate, ratio: f64) -> Option<Bound> {
-    let per_ampere = 1.0 / candidate.actuator.rms_current_per_torque();
-    let current = candidate.motor.continuous_current.map(|i| Bound { value: i * per_ampere, owner: "motor" });
-    let torque = candidate.motor.continuous_torque.map(|t| Bound { value: t, owner: "motor" });
-    let heat = candidate.thermal_current().map(|(i, _)| Bound { value: i * per_ampere, owner: "winding temperature" });
+    let heat = candidate.steady_current().map(|steady| {
+        let of_torque = candidate.motor.continuous_torque.map(|t| t * candidate.actuator.rms_current_per_torque());
+        let rated = [candidate.motor.continuous_current, of_torque].into_iter().flatten();
+        let by_row = !candidate.is_mounted() && rated.into_iter().any(|rated| rated <= steady * (1.0 + 1e-9));
+        let by_heat = candidate.thermal_current().is_some_and(|(thermal, _)| thermal <= steady);
+        let owner = if by_heat && !by_row { "winding temperature" } else { "motor" };
+        Bound { value: torque_of_rms(candidate, steady), owner }
+    });
+    let drive = candidate.drive_continuous_current().zip(candidate.joint.turns.of_current());
+    let drive =
+        drive.map(|(current, times)| Bound { value: torque_of_rms(candidate, current * times), owner: "drive" });
     let gear = candidate.gear.continuous_torque.map(|t| Bound { value: t / ratio, owner: "gear" });
     let module = of_module(candidate, ratio, |inside| inside.module.sheet.rated_torque.map(|p| p.value));
-    least([module, current, torque, heat, gear])
+    let held = least([module, heat, drive, gear]);
+    // What cannot be had for a moment cannot be held.
+    held.and_then(|held| least([Some(held), peak_torque(candidate, ratio)]))
+}
+
+/// Constant torque at the motor \[N·m\] whose current, ripple in its mean square, has this root mean square \[A\].
+fn torque_of_rms(candidate: &Candidate, current: f64) -> f64 {
+    let shortfall = &candidate.actuator.shortfall;
+    let squared = |torque: f64| shortfall.current_squared(torque * torque).0;
+    let most = candidate.actuator.torque_constant * current;
+    if !shortfall.saturates() {
+        let (least, slope) = shortfall.current_squared(0.0);
+        return ((current * current - least) / slope).max(0.0).sqrt();
+    }
+    let (mut held, mut too_much) = (0.0, most);
+    for _ in 0..60 {
+        let middle = 0.5 * (held + too_much);
+        if squared(middle) <= current * current { held = middle } else { too_much = middle }
+    }
+    held
+}
+
+/// Name of the friction that does not grow with speed.
+const COULOMB: &str = "Coulomb friction";
+
+/// Coulomb friction of a motor \[N·m\] whose row prints drag without load.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum NoLoad {
+    /// It is this.
+    Coulomb(f64),
+    /// It is this or less: the rest grows with speed.
+    AtMost(f64),
+    /// Nothing.
+    Silent,
+}
+
+/// Of brushes all of it; where the row declares viscous friction what that leaves.
+fn no_load_friction(motor: &Motor) -> NoLoad {
+    let splits = motor.viscous_friction.is_some() || motor.conventions.commutation == Commutation::Brushed;
+    match motor.drag() {
+        Drag::NoLoad { torque, .. } if splits => NoLoad::Coulomb(torque),
+        Drag::NoLoad { torque, .. } | Drag::Estimated { torque } => NoLoad::AtMost(torque),
+        Drag::Declared | Drag::Unknown => NoLoad::Silent,
+    }
+}
+
+/// True if an effect belongs to the mounted hardware: that of a bench gear does not belong to another gear.
+fn is_of_candidate(candidate: &Candidate, effect: &dyn Effect) -> bool {
+    effect.side() != Side::Gear || candidate.catalog_gear.is_none()
+}
+
+/// Holding torque against a driving load per torque before the loss: infinite where the gear locks.
+fn held(backdrive_efficiency: f64) -> f64 {
+    if backdrive_efficiency > 0.0 { 1.0 / backdrive_efficiency } else { f64::INFINITY }
 }
 
 /// Largest speed at the output: the voltage's without load, the motor's, the gear's, the module's.
@@ -677,4 +761,14 @@ fn speed_by_voltage(candidate: &Candidate, torque: f64) -> f64 {
         if is_enough(middle) { enough = middle } else { too_fast = middle }
     }
     enough
+}
+
+#[cfg(test)]
+mod tests {
+    use super::held;
+
+    #[test]
+    fn a_gear_that_locks_holds_without_end_and_never_less_than_nothing() {
+        assert_eq!([0.8, 0.0, -0.5].map(held), [1.25, f64::INFINITY, f64::INFINITY]);
+    }
 }

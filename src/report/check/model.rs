@@ -74,7 +74,7 @@ fn table(report: &ModelReport, model: usize) -> String {
             stated(Quantity::Velocity),
             fact(hardware.and_then(|h| h.no_load.as_ref())),
             stated(Quantity::Armature),
-            fact(hardware.and_then(|h| h.armature.as_ref())),
+            fact(joint.reflected.armature.as_ref()),
         ]
     });
     let columns = vec![

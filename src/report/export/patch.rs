@@ -278,8 +278,10 @@ fn into_mjcf(
     }
     for actuator in actuators(root, name) {
         match (actuator.tag_name().name(), wishes.as_dcmotor) {
-            ("motor", false) => edits.set(actuator, &mjcf::motor_attributes(e)),
-            ("dcmotor", true) => edits.set(actuator, &dcmotor::all_motor_attributes(e, wishes)?),
+            ("motor", false) => edits.set(actuator, &turned_as(actuator, mjcf::motor_attributes(e))),
+            ("dcmotor", true) => {
+                edits.set(actuator, &turned_as(actuator, dcmotor::all_motor_attributes(e, wishes)?));
+            }
             (other, true) => {
                 return Err(format!(
                     "joint `{name}` is driven by a <{other}>: make it a <dcmotor> first, or write without `--to dcmotor`"
@@ -291,6 +293,18 @@ fn into_mjcf(
         }
     }
     Ok(())
+}
+
+/// The attributes of an actuator with the sign that its gear has in the model: the direction in which its command counts stays.
+fn turned_as(actuator: Node, mut attributes: Vec<(&'static str, String)>) -> Vec<(&'static str, String)> {
+    let first = |gear: &str| gear.split_whitespace().next().and_then(|first| first.parse::<f64>().ok());
+    let is_negative = actuator.attribute("gear").and_then(first).is_some_and(|gear| gear < 0.0);
+    for (_, gear) in
+        attributes.iter_mut().filter(|(name, gear)| is_negative && *name == "gear" && !gear.starts_with('-'))
+    {
+        gear.insert(0, '-');
+    }
+    attributes
 }
 
 /// A second joint of the same body about the same axis: angles of joints of one body add up, so that this one is what the output

@@ -206,7 +206,7 @@ fn joint<'a>(of: &'a ModelJoint<'a>) -> Joint<'a> {
         velocity_rad_per_s: stated(Quantity::Velocity),
         no_load_speed_rad_per_s: hardware.and_then(|h| h.no_load.as_ref()).map(Fact::from),
         armature_kgm2: stated(Quantity::Armature),
-        inertia_kgm2: hardware.and_then(|h| h.armature.as_ref()).map(Fact::from),
+        inertia_kgm2: of.reflected.armature.as_ref().map(Fact::from),
     }
 }
 

@@ -516,10 +516,18 @@ impl JsonSchema for Pairs<'_> {
     }
 }
 
-/// Margins by the name of the limit.
+/// Margins by the name of the limit, the least of each.
 pub fn margins(of: &[evaluate::Margin]) -> Pairs<'_> {
-    // A limit may be asked for by several; the last has the key, as in every object.
-    Pairs::of(of.iter().map(|m| (m.limit, m.margin)))
+    // A limit may be asked for by several: the least margin counts.
+    let mut least: Vec<(&str, f64)> = Vec::new();
+    for margin in of {
+        match least.iter_mut().find(|(limit, _)| *limit == margin.limit) {
+            Some((_, known)) if margin.margin.total_cmp(known).is_lt() => *known = margin.margin,
+            Some(_) => {}
+            None => least.push((margin.limit, margin.margin)),
+        }
+    }
+    Pairs::of(least.into_iter())
 }
 
 /// Limits in full.

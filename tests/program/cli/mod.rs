@@ -19,6 +19,7 @@ mod folder;
 mod fronts;
 mod gear_map;
 mod handover;
+mod held;
 mod help;
 mod honest;
 mod html;

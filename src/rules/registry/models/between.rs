@@ -1,6 +1,7 @@
 //! What joints and models say against each other.
 
 use super::said::{alone, backing};
+use crate::hardware::Hardware;
 use crate::mechanism::stated::Quantity;
 use crate::rules::models::{ModelFacts, ModelJoint, within};
 use crate::rules::rule::{Backing, ModelRemark, Rule, Severity, Test};
@@ -313,7 +314,7 @@ fn coupled(facts: &ModelFacts) -> Vec<ModelRemark> {
                 continue;
             };
             let [Some(a), Some(b)] = [first, second].map(|joint| joint.get(Quantity::Effort)) else { continue };
-            let peaks = [first, second].map(|joint| alone(joint).and_then(|hardware| hardware.peak.as_ref()));
+            let peaks = [first, second].map(|joint| alone(joint).and_then(Hardware::strongest));
             let [[p, q], [s, t]] = coupling.matrix;
             let determinant = p * t - q * s;
             // J⁻ᵀ of two by two.

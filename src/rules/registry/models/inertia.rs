@@ -22,7 +22,9 @@ pub(in crate::rules::registry) const ARMATURE_MISSING: Rule = Rule {
 
 fn armature_missing(facts: &ModelFacts, k: usize) -> Judgement {
     let joint = &facts.joints[k];
-    let Some(hardware) = alone(joint) else { return Judgement::NotAsked };
+    if alone(joint).is_none() {
+        return Judgement::NotAsked;
+    }
     let stated = joint.get(Quantity::Armature);
     if stated.is_none() && matches!(facts.models[joint.model].form, Form::Urdf | Form::Sdf) {
         return Judgement::NotJudged("URDF and SDFormat have no armature");
@@ -30,7 +32,7 @@ fn armature_missing(facts: &ModelFacts, k: usize) -> Judgement {
     if stated.is_some_and(|stated| stated.value > 0.0) {
         return Judgement::NotAsked;
     }
-    let Some(fact) = &hardware.armature else { return Judgement::NotJudged(NO_ARMATURE) };
+    let Some(fact) = &joint.reflected.armature else { return Judgement::NotJudged(NO_ARMATURE) };
     let span = stated.map_or(&joint.joint.span, |stated| &stated.span);
     let message = match stated {
         Some(_) => "armature is 0".to_string(),
@@ -50,7 +52,7 @@ pub(in crate::rules::registry) const ARMATURE_DIFFERS: Rule = Rule {
     name: "armature-differs",
     summary: "the armature of a model is the inertia of its hardware at the joint",
     severity: Severity::Warning,
-    what: "Compares the armature with the inertia of rotor and gear at the joint, r² J or (r N)² (J_m + J_g); more than 20 % apart (`armature_tolerance`) is a finding. Every factor that would explain it is named: N, N², their inverses, r, r², 2, powers of ten, or the inertia of another entry of the file.",
+    what: "Compares the armature with the inertia of rotor and gear at the joint, r² J or (r N)² (J_m + J_g); of a joint of a [[coupling]] the diagonal of Jᵀ diag(a, b) J, of both actuators; more than 20 % apart (`armature_tolerance`) is a finding. Every factor that would explain it is named: N, N², their inverses, r, r², 2, powers of ten, or the inertia of another entry of the file.",
     why: "The inertia at the motor and that at the joint differ by N²: 81 times at 9:1. openarm #336: an armature of another actuator.",
     example: "armature=\"0.00018\" at 9:1, where 0.0146 kg*m^2 are at the joint.",
     fix: "Write the inertia at the joint.",
@@ -65,7 +67,7 @@ fn armature_differs(facts: &ModelFacts, k: usize) -> Judgement {
     if stated.value <= 0.0 {
         return Judgement::NotAsked;
     }
-    let Some(fact) = &hardware.armature else { return Judgement::NotJudged(NO_ARMATURE) };
+    let Some(fact) = &joint.reflected.armature else { return Judgement::NotJudged(NO_ARMATURE) };
     if !differs(stated.value, fact.value, fact.holds, facts.file.tolerances.armature) {
         return Judgement::Judged(Vec::new());
     }
@@ -88,7 +90,7 @@ pub(in crate::rules::registry) const FRICTION: Rule = Rule {
     name: "model-friction",
     summary: "the friction of a model is about that of its hardware",
     severity: Severity::Note,
-    what: "Compares Coulomb and viscous friction of the model with the row's at the joint (× r, × r²), where the row has them; more than 50 % apart (`friction_tolerance`) is a note, as is none at all.",
+    what: "Compares Coulomb and viscous friction of the model with the row's at the joint (× r, × r²; × |J|, × J² and of both actuators in a [[coupling]]), where the row has them; more than 50 % apart (`friction_tolerance`) is a note, as is none at all.",
     why: "Friction of the gear decides whether a joint can be driven back, and what torque reaches the ground.",
     example: "frictionloss=\"0\" on an actuator with 1.6 N*m of static friction.",
     fix: "Write the friction at the joint; or a range around it where the friction is drawn at random.",
@@ -97,8 +99,10 @@ pub(in crate::rules::registry) const FRICTION: Rule = Rule {
 
 fn friction(facts: &ModelFacts, k: usize) -> Judgement {
     let joint = &facts.joints[k];
-    let Some(hardware) = alone(joint) else { return Judgement::NotAsked };
-    let pairs = [(Quantity::Friction, &hardware.friction), (Quantity::Damping, &hardware.damping)];
+    if alone(joint).is_none() {
+        return Judgement::NotAsked;
+    }
+    let pairs = [(Quantity::Friction, &joint.reflected.friction), (Quantity::Damping, &joint.reflected.damping)];
     let mut remarks = Vec::new();
     let mut judged = false;
     for (quantity, fact) in pairs {

@@ -25,7 +25,7 @@ fn effort_above_peak(facts: &ModelFacts, k: usize) -> Judgement {
         Ok(asked) => asked,
         Err(judgement) => return judgement,
     };
-    let Some(peak) = &hardware.peak else { return Judgement::NotJudged(NO_TORQUE) };
+    let Some(peak) = hardware.strongest() else { return Judgement::NotJudged(NO_TORQUE) };
     if effort.by_gear && !facts.wrong_gears(k).is_empty() {
         return Judgement::NotJudged("its gear is wrong, and the effort is a multiple of it");
     }
