@@ -327,7 +327,7 @@ fn wrong_twins(source: &Arc<Source>, motors: &[Motor]) -> Option<InputError> {
 /// What a module's ratio may differ from that of the gear that it names.
 const SAME_RATIO: f64 = 0.01;
 
-/// Where the cells stand that hold these ids, in one pass over the file: the first cell of a row before any other.
+/// Positions of the cells that hold these ids, found in one pass over the file; the first cell of a row takes precedence.
 fn places<'i>(source: &Source, ids: impl Iterator<Item = &'i str>) -> HashMap<&'i str, usize> {
     let ids: HashSet<&str> = ids.collect();
     let (mut first, mut others, mut at, mut is_first) = (HashMap::new(), HashMap::new(), 0, true);

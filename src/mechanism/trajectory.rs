@@ -57,7 +57,7 @@ pub struct Sample {
 }
 
 impl Trajectory {
-    /// The same path `speed` times as fast: the same positions in less time, under the same outer forces.
+    /// Scale the speed of the path by a factor: the same positions in less time, under the same external forces.
     #[must_use]
     pub fn faster(&self, speed: f64) -> Trajectory {
         let mut faster = self.clone();

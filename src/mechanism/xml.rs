@@ -190,7 +190,7 @@ impl Sheet {
 /// Parse a description of bounded width and depth: the parser compares the attributes of an element pairwise.
 ///
 /// # Errors
-/// It is not XML, or an element has too many attributes or stands too deep.
+/// It is not XML, or an element has too many attributes or is nested too deep.
 pub(crate) fn document(text: &str) -> Result<Document<'_>, Problem> {
     if let Some(problem) = oversized(text) {
         return Err(problem);

@@ -42,7 +42,7 @@ const STEPS: usize = 50;
 const STALLED: usize = 3;
 /// Rows and columns of a cone program that take a step of [`Work`] in each iteration.
 const CONE: usize = 2;
-/// Steps that a sample of what comes back takes in a bound between two ratios.
+/// Steps of work per sample of returned power in a bound between two ratios.
 const SAMPLE: usize = 5;
 /// The power of all joints is kept to this relative accuracy.
 pub(super) const POWER_TOLERANCE: f64 = 1e-9;
@@ -228,7 +228,7 @@ pub(super) struct Shares<'s> {
     pub schedule: &'s Schedule,
     /// Limit on the power of all joints \[W\]; infinite where there is none.
     pub limit: f64,
-    /// Limit on what comes back from all joints \[W\].
+    /// Limit on the power returned by all joints \[W\].
     pub returned: Option<f64>,
     /// Counts what is done.
     pub work: &'s Work,
@@ -480,7 +480,7 @@ fn solve_box(program: Program, limit: f64) -> Outcome {
             return no_value(gentlest, parts.iter().map(Part::least).sum(), price);
         }
     }
-    // Without the limit on what comes back the joints fall apart; what keeps it all the same is the best with it.
+    // Without the limit on returned power the joints are independent; an optimum that keeps the limit is also the optimum with it.
     let free = program.by_prices(&own, &gentlest, limit);
     match program.returned {
         None => Outcome::Solved(free),
@@ -708,9 +708,9 @@ impl Program<'_> {
         Solved { ratios: priced.ratios, value: priced.value, lower, price: Price::of(priced.rows) }
     }
 
-    /// The best ratios where what comes back is limited, from the best without that limit: by prices, and where these leave a gap by
-    /// tangents. What comes back is concave in the ratios, so that its tangents at ratios that keep the limit leave a convex part of those
-    /// that do: the best of it is the next. The bound is that of the limit itself at the multipliers.
+    /// Find the best ratios under a limit on returned power, from the best without that limit: by prices and, where these leave a gap, by
+    /// tangents. Returned power is concave in the ratios, so that its tangents at ratios that keep the limit bound a convex part of those
+    /// that do: the best of that part is the next iterate. The bound is that of the limit itself at the multipliers.
     fn best_returning(&self, own: &[f64], gentlest: &[f64], free: Solved, limit: f64) -> Outcome {
         let total = |ratios: &[f64]| self.parts.iter().zip(ratios).map(|(p, n)| p.value(*n)).sum::<f64>();
         let Solved { ratios: start, lower: mut bound, mut price, .. } = free;
@@ -719,7 +719,7 @@ impl Program<'_> {
             return Outcome::Solved(Solved { ratios: gentlest.to_vec(), value: f64::INFINITY, lower: bound, price });
         };
         let mut best = total(&at);
-        // What is made convex for the program may be far below what it is: prices alone say more.
+        // The convex relaxation may be loose: prices alone give a tighter bound.
         let apart = self.apart(&at, limit);
         let priced = dual::solve(&apart, &[at.clone(), start], self.threshold);
         if priced.value < best {

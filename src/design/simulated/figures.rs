@@ -1,11 +1,11 @@
 //! The numbers of an actuator at its joint, without words and lines: for maps over many ratios.
 
 use super::{
-    NoLoad, SimulatedJoint, braking_torque, continuous_torque, held, inside, is_of_candidate, largest_speed,
-    no_load_friction, no_load_speed, peak_torque, speed_at_torque, stall_torque,
+    NoLoad, SimulatedJoint, braking_torque, continuous_torque, effects, held, inside, largest_speed, no_load_friction,
+    no_load_speed, peak_torque, speed_at_torque, stall_torque,
 };
 use crate::actuator::limits::Candidate;
-use crate::effects::{EFFECTS, SimulatorField};
+use crate::effects::SimulatorField;
 
 /// Numbers of an actuator at its joint, SI. Torques are those there but for friction and the rotor's own acceleration; what is not known is NaN.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -112,19 +112,14 @@ fn factors(candidate: &Candidate, is_behind_loss: bool) -> (f64, f64) {
 /// Viscous and Coulomb friction of motor and gear at the output, as far as they are known; NaN where neither says any.
 fn frictions(candidate: &Candidate, ratio: f64) -> (f64, f64) {
     let (mut damping, mut friction) = (None, None);
-    let motor = candidate.motor;
-    for effect in EFFECTS {
-        let fitted = motor.effects.iter().filter(|f| f.name() == effect.name()).map(|f| f.values.clone());
-        for values in motor.declared(*effect).into_iter().chain(fitted).filter(|_| is_of_candidate(candidate, *effect))
-        {
-            match effect.export(&values, ratio) {
-                SimulatorField::Damping(value) => *damping.get_or_insert(0.0) += value,
-                SimulatorField::FrictionLoss(value) => *friction.get_or_insert(0.0) += value,
-                _ => {}
-            }
+    for (effect, values) in effects(candidate) {
+        match effect.export(&values, ratio) {
+            SimulatorField::Damping(value) => *damping.get_or_insert(0.0) += value,
+            SimulatorField::FrictionLoss(value) => *friction.get_or_insert(0.0) += value,
+            _ => {}
         }
     }
-    if let NoLoad::Coulomb(torque) = no_load_friction(motor) {
+    if let NoLoad::Coulomb(torque) = no_load_friction(candidate.motor) {
         *friction.get_or_insert(0.0) += torque * ratio;
     }
     let of_gear = candidate.gear.no_load;

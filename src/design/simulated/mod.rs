@@ -186,12 +186,8 @@ impl SimulatedJoint {
         joint.is_behind_loss = joint.motor_torque.is_some_and(|torque| torque.owner == MODULE);
         joint.speed_at_motor_torque =
             joint.motor_torque.and_then(|torque| speed_at_torque(candidate, torque.value, ratio));
-        for effect in EFFECTS {
-            let declared = motor.declared(*effect);
-            let fitted = motor.effects.iter().filter(|f| f.name() == effect.name()).map(|f| f.values.clone());
-            for values in declared.into_iter().chain(fitted).filter(|_| is_of_candidate(candidate, *effect)) {
-                joint.add(*effect, &values);
-            }
+        for (effect, values) in effects(candidate) {
+            joint.add(effect, &values);
         }
         let drag = no_load_friction(motor);
         if let NoLoad::Coulomb(torque) = drag {
@@ -298,7 +294,7 @@ impl SimulatedJoint {
         self.mechanical_speed = least([self.mechanical_speed, most]);
         if let Some(most) = passed.numbers.peak_torque.map(|most| most / self.ratio) {
             for torque in [&mut self.motor_torque, &mut self.braking_motor_torque, &mut self.continuous_motor_torque] {
-                // What is not known stays so: for ever there may be less than the transmission carries for a moment.
+                // An unknown continuous torque stays unknown: it may be below the peak torque of the transmission.
                 let known =
                     torque.map(|torque| least([Some(torque), Some(Bound { value: most, owner: "transmission" })]));
                 *torque = known.unwrap_or(None);
@@ -625,7 +621,7 @@ fn continuous_torque(candidate: &Candidate, ratio: f64) -> Option<Bound> {
     let gear = candidate.gear.continuous_torque.map(|t| Bound { value: t / ratio, owner: "gear" });
     let module = of_module(candidate, ratio, |inside| inside.module.sheet.rated_torque.map(|p| p.value));
     let held = least([module, heat, drive, gear]);
-    // What cannot be had for a moment cannot be held.
+    // A continuous torque does not exceed the peak torque.
     held.and_then(|held| least([Some(held), peak_torque(candidate, ratio)]))
 }
 
@@ -660,7 +656,7 @@ enum NoLoad {
     Silent,
 }
 
-/// Of brushes all of it; where the row declares viscous friction what that leaves.
+/// All of a brushed motor's drag; the rest of it where the row declares viscous friction.
 fn no_load_friction(motor: &Motor) -> NoLoad {
     let splits = motor.viscous_friction.is_some() || motor.conventions.commutation == Commutation::Brushed;
     match motor.drag() {
@@ -670,9 +666,13 @@ fn no_load_friction(motor: &Motor) -> NoLoad {
     }
 }
 
-/// True if an effect belongs to the mounted hardware: that of a bench gear does not belong to another gear.
-fn is_of_candidate(candidate: &Candidate, effect: &dyn Effect) -> bool {
-    effect.side() != Side::Gear || candidate.catalog_gear.is_none()
+/// Declared and fitted effects of the mounted hardware: those of a bench gear do not belong to another gear.
+fn effects(candidate: &Candidate) -> impl Iterator<Item = (&'static dyn Effect, Vec<f64>)> {
+    let (motor, another_gear) = (candidate.motor, candidate.catalog_gear.is_some());
+    EFFECTS.iter().filter(move |effect| !another_gear || effect.side() != Side::Gear).flat_map(move |effect| {
+        let fitted = motor.effects.iter().filter(|f| f.name() == effect.name()).map(|f| f.values.clone());
+        motor.declared(*effect).into_iter().chain(fitted).map(|values| (*effect, values))
+    })
 }
 
 /// Holding torque against a driving load per torque before the loss: infinite where the gear locks.

@@ -4,7 +4,7 @@
 #[derive(Debug, Default)]
 pub struct Cells {
     text: String,
-    /// Where each cell ends.
+    /// End of each cell.
     ends: Vec<u32>,
     /// Cells before each row, and in it.
     rows: Vec<(u32, u32)>,

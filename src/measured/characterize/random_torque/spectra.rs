@@ -130,7 +130,7 @@ pub(crate) struct Spectra {
     pub derivative: Vec<Vec<Complex>>,
     /// Of each window: command; empty where there is none.
     pub command: Vec<Vec<Complex>>,
-    /// Of each window: direction of the velocity; empty where it is not known.
+    /// Direction of the velocity in each window; empty where it is unknown.
     pub direction: Vec<Vec<Complex>>,
 }
 

@@ -88,7 +88,7 @@ impl Cursor<'_> {
 
     fn value(&mut self, schema: &Schema, kind: &Type) -> Result<Node, String> {
         self.values += 1;
-        // A value takes a byte or more; a few messages may stand around each.
+        // A value takes a byte or more; a few messages may enclose each.
         if self.values > limits::MESSAGE_VALUES.min(1024 + 4 * self.data.len()) {
             return Err(limits::too_many("values of a message", self.values, limits::MESSAGE_VALUES));
         }

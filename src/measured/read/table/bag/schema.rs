@@ -76,7 +76,7 @@ impl Schema {
         Ok(schema)
     }
 
-    /// Count the levels of a message that stands below `above` others, each message once. `None` beyond [`SCHEMA_DEPTH`],
+    /// Count the levels of a message that is nested in `above` others, each message once. `None` beyond [`SCHEMA_DEPTH`],
     /// which a message that contains itself reaches.
     fn measure(&self, message: usize, above: usize, heights: &mut [Option<usize>]) -> Option<usize> {
         if let Some(height) = heights[message] {
