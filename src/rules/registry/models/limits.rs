@@ -102,12 +102,12 @@ fn effort_meaning(facts: &ModelFacts, k: usize) -> Judgement {
 pub(in crate::rules::registry) const VELOCITY_ABOVE_NO_LOAD: Rule = Rule {
     code: "GW403",
     name: "velocity-above-no-load",
-    summary: "no joint of a model is faster than its hardware without load",
+    summary: "no joint of a model is faster than its hardware",
     severity: Severity::Error,
-    what: "Compares the velocity of each joint with the speed without load of the hardware, divided by r; of a module that is printed at a voltage, a lower `voltage` takes from it in proportion; of a motor it is the supply voltage over the back-EMF constant. A factor of 57.3 is degrees, one of 9.55 is rpm.",
-    why: "Beyond that speed the actuator gives no torque: a policy that uses it cannot run on the robot.",
+    what: "Compares the velocity of each joint with the largest speed of the hardware, divided by r: the least of the no-load speed, the motor's `max_speed` and the gear's `max_input_speed`. The no-load speed of a module falls in proportion to a `voltage` below that of its row; that of a motor is the supply voltage over the back-EMF constant. A factor of 57.3 is degrees, one of 9.55 is rpm.",
+    why: "Beyond its no-load speed an actuator gives no torque, and beyond the gear's input speed it fails early: a policy that uses it cannot run on the robot.",
     example: "velocity=\"1720\" for 30 rad/s in degrees.",
-    fix: "Write the speed without load at the joint in rad/s.",
+    fix: "Write the largest speed at the joint in rad/s.",
     test: Test::ModelJoint(velocity_above_no_load),
 };
 
@@ -120,7 +120,7 @@ fn velocity_above_no_load(facts: &ModelFacts, k: usize) -> Judgement {
         Err(judgement) => return judgement,
     };
     let Some(free) = &hardware.no_load else {
-        return Judgement::NotJudged("neither a row of its hardware nor a `voltage` gives a speed without load");
+        return Judgement::NotJudged("neither a row of its hardware nor a `voltage` gives a no-load speed");
     };
     if velocity.value <= free.value * (1.0 + facts.file.tolerances.limits) || is_explained(facts, k) {
         return Judgement::Judged(Vec::new());
@@ -136,8 +136,12 @@ fn velocity_above_no_load(facts: &ModelFacts, k: usize) -> Judgement {
     all.push((1.0_f64.to_degrees(), "degrees in place of radians (57.3)".into()));
     all.push((30.0 / std::f64::consts::PI, "rpm in place of rad/s (9.55)".into()));
     let why = explained(velocity.value / free.value, &all).map_or(String::new(), |why| format!("; {why}"));
-    let message = format!("{} is above the speed without load, {} rad/s{why}", stated_as(velocity), number(free.value));
-    let remark = about(k, facts, velocity, message).against(free, "speed without load");
+    let message = format!(
+        "{} is above the largest speed of its hardware, {} rad/s{why}",
+        stated_as(velocity),
+        number(free.value)
+    );
+    let remark = about(k, facts, velocity, message).against(free, "largest speed");
     Judgement::Judged(vec![remark.write(Quantity::Velocity, free.value)])
 }
 
@@ -325,7 +329,7 @@ fn saturation(facts: &ModelFacts, k: usize) -> Judgement {
         return Judgement::Judged(Vec::new());
     };
     let Some(free) = &hardware.no_load else {
-        return Judgement::NotJudged("neither a row of its hardware nor a `voltage` gives a speed without load");
+        return Judgement::NotJudged("neither a row of its hardware nor a `voltage` gives a no-load speed");
     };
     if velocity.value >= free.value * (1.0 - share) {
         return Judgement::Judged(Vec::new());
@@ -335,6 +339,6 @@ fn saturation(facts: &ModelFacts, k: usize) -> Judgement {
         stated_as(velocity),
         number(free.value)
     );
-    let remark = about(k, facts, velocity, message).against(free, "speed without load");
+    let remark = about(k, facts, velocity, message).against(free, "largest speed");
     Judgement::Judged(vec![remark.write(Quantity::Velocity, free.value)])
 }
