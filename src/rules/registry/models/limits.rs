@@ -299,10 +299,10 @@ pub(in crate::rules::registry) const SATURATION: Rule = Rule {
     name: "model-saturation",
     summary: "the effort of a model is below its saturation, and its torque–speed line ends where the hardware's does",
     severity: Severity::Error,
-    what: "Of limits with a `saturation` (the torque at standstill of a torque–speed line that ends at `velocity`): the effort may not be above it, and the velocity must be the speed without load of the hardware.",
+    what: "Of limits with a `saturation` (the torque at standstill of a torque–speed line that ends at `velocity`): the effort may not be above it, and the velocity must be the no-load speed of the hardware.",
     why: "The line is clipped by the effort. An effort above the saturation never acts, and a line that ends early takes torque at every speed. IsaacLab #2103.",
     example: "effort 33.5 N*m with saturation 23.7 N*m.",
-    fix: "Write the stall torque of the line as saturation, the peak torque as effort, the speed without load as velocity.",
+    fix: "Write the stall torque of the line as saturation, the peak torque as effort, the no-load speed as velocity.",
     test: Test::ModelJoint(saturation),
 };
 
@@ -335,10 +335,10 @@ fn saturation(facts: &ModelFacts, k: usize) -> Judgement {
         return Judgement::Judged(Vec::new());
     }
     let message = format!(
-        "{} ends the torque–speed line below the speed without load, {} rad/s",
+        "{} ends the torque–speed line below the no-load speed, {} rad/s",
         stated_as(velocity),
         number(free.value)
     );
-    let remark = about(k, facts, velocity, message).against(free, "largest speed");
+    let remark = about(k, facts, velocity, message).against(free, "no-load speed");
     Judgement::Judged(vec![remark.write(Quantity::Velocity, free.value)])
 }
