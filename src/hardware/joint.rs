@@ -51,10 +51,12 @@ pub struct Hardware {
     pub before_loss: Option<Fact>,
     /// Torques of other meanings that a row prints, each with its name \[N·m\].
     pub others: Vec<(&'static str, Fact)>,
-    /// Speed without load at the voltage \[rad/s\].
+    /// No-load speed at the voltage \[rad/s\].
     pub no_load: Option<Fact>,
-    /// The speed above which it certainly gives nothing, where `no_load` is not known in full \[rad/s\].
-    pub no_load_most: Option<Fact>,
+    /// Largest speed: the least of the no-load speed, the motor's `max_speed` and the gear's `max_input_speed` \[rad/s\].
+    pub largest_speed: Option<Fact>,
+    /// Upper bound of the largest speed, if that is known as a lower bound only \[rad/s\].
+    pub largest_speed_most: Option<Fact>,
     /// Inertia of rotor and gear \[kg·m²\].
     pub armature: Option<Fact>,
     /// Coulomb friction \[N·m\].
@@ -75,7 +77,7 @@ impl Hardware {
 
     /// The speed above which it certainly gives nothing; `None` where no row says one.
     pub fn fastest(&self) -> Option<&Fact> {
-        self.no_load_most.as_ref().or(self.no_load.as_ref())
+        self.largest_speed_most.as_ref().or(self.largest_speed.as_ref())
     }
 }
 
@@ -135,7 +137,8 @@ fn over_the_range(mount: &Mount, of: impl Fn(f64) -> Hardware) -> Hardware {
         peak_most: there(strongest.peak_most, "largest"),
         before_loss: there(strongest.before_loss, "largest"),
         no_load: there(fastest.no_load, "smallest"),
-        no_load_most: there(fastest.no_load_most, "smallest"),
+        largest_speed: there(fastest.largest_speed, "smallest"),
+        largest_speed_most: there(fastest.largest_speed_most, "smallest"),
         others: Vec::new(),
         armature: None,
         friction: None,
@@ -213,7 +216,7 @@ fn of_module(mount: &Mount, r: f64, module: &Module) -> Hardware {
     });
     // Twice the voltage is no more than twice the speed.
     let more = mount.voltage.zip(printed_at).map(|(voltage, printed)| voltage / printed).filter(|more| *more > 1.0);
-    let no_load_most = free.zip(more).map(|((speed, name), more)| {
+    let largest_speed_most = free.zip(more).map(|((speed, name), more)| {
         let how = format!("{} × {name} {} rad/s{at}{divided}{}", number(more), number(speed), with_r(r));
         fact(more * speed / r, how)
     });
@@ -260,8 +263,9 @@ fn of_module(mount: &Mount, r: f64, module: &Module) -> Hardware {
         peak_most: None,
         before_loss: None,
         others,
+        largest_speed: no_load.clone(),
         no_load,
-        no_load_most,
+        largest_speed_most,
         armature,
         friction: friction("dynamic_friction", sheet.dynamic_friction, "N*m", 1)
             .or_else(|| friction("static_friction", sheet.static_friction, "N*m", 1)),
@@ -341,7 +345,8 @@ fn of_motor(mount: &Mount, r: f64, motor: &Motor, gear: Option<&Gear>, ratio: f6
     let by_gear = gear.and_then(|gear| Some((&gear.id, gear.max_input_speed?)));
     let by_gear =
         by_gear.map(|(id, most)| speed(most, format!("largest input speed of the gear {id}, {} rad/s", number(most))));
-    let no_load = by_voltage.into_iter().chain(by_row).chain(by_gear).min_by(|a, b| a.value.total_cmp(&b.value));
+    let no_load = by_voltage.clone();
+    let largest_speed = by_voltage.into_iter().chain(by_row).chain(by_gear).min_by(|a, b| a.value.total_cmp(&b.value));
     let armature = motor.rotor_inertia.map(|rotor| {
         // Where nothing is between motor and flange there is no inertia of a gear.
         let inner = if gear.is_none() && ratio == 1.0 { Some(0.0) } else { gear.and_then(|gear| gear.inertia) };
@@ -380,7 +385,8 @@ fn of_motor(mount: &Mount, r: f64, motor: &Motor, gear: Option<&Gear>, ratio: f6
         before_loss,
         others,
         no_load,
-        no_load_most: None,
+        largest_speed,
+        largest_speed_most: None,
         armature,
         friction,
         damping,

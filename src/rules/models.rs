@@ -197,7 +197,10 @@ impl<'a> ModelFacts<'a> {
                 let above = |fact: &&crate::hardware::Fact| value > fact.value * (1.0 + tolerances.limits);
                 hardware.fastest().filter(above).is_some()
                     || of.get(Quantity::Saturation).is_some()
-                        && hardware.no_load.as_ref().is_some_and(|fact| value < fact.value * (1.0 - tolerances.limits))
+                        && hardware
+                            .largest_speed
+                            .as_ref()
+                            .is_some_and(|fact| value < fact.value * (1.0 - tolerances.limits))
             }
             (Quantity::Armature, value) => {
                 let value = value.unwrap_or(0.0);

@@ -24,8 +24,15 @@ const ACTUATORS: &[&str] = &[
     "plugin",
 ];
 
-/// A class: that which it inherits from, and its elements.
-type Classes<'a> = HashMap<&'a str, (Option<&'a str>, Vec<El<'a>>)>;
+/// Classes of defaults by name: each with the class that it inherits from, and its elements.
+struct Classes<'a>(HashMap<&'a str, (Option<&'a str>, Vec<El<'a>>)>);
+
+/// The first number of the `gear` of an actuator, its own or that of its class; `None` if neither states one.
+#[cfg(feature = "report")]
+pub(crate) fn gear_of<'a>(root: El<'a>, actuator: El<'a>) -> Option<f64> {
+    let layers = Classes::of(root).layers(actuator, None, ACTUATORS);
+    get(&layers, "gear")?.value().split_whitespace().next()?.parse().ok()
+}
 
 struct Reader<'a, 's> {
     sheet: &'s Sheet,
@@ -39,17 +46,13 @@ struct Reader<'a, 's> {
 pub(super) fn read<'a>(sheet: &Sheet, root: El<'a>) -> Model {
     let mut reader = Reader {
         sheet,
-        classes: HashMap::from([("main", (None, Vec::new()))]),
+        classes: Classes::of(root),
         auto_limits: true,
         model: Model::blank(Form::Mjcf, root.attribute("model").unwrap_or("MuJoCo Model")),
         names: HashSet::new(),
     };
-    for node in children(root) {
-        match node.tag_name().name() {
-            "default" => reader.class(node, None, 0),
-            "compiler" => reader.auto_limits &= node.attribute("autolimits") != Some("false"),
-            _ => {}
-        }
+    for node in children(root).filter(|n| n.has_tag_name("compiler")) {
+        reader.auto_limits &= node.attribute("autolimits") != Some("false");
     }
     if root.descendants().any(|n| n.has_tag_name("include")) {
         reader
@@ -64,19 +67,27 @@ pub(super) fn read<'a>(sheet: &Sheet, root: El<'a>) -> Model {
     reader.model
 }
 
-impl<'a> Reader<'a, '_> {
+impl<'a> Classes<'a> {
+    fn of(root: El<'a>) -> Classes<'a> {
+        let mut classes = Classes(HashMap::from([("main", (None, Vec::new()))]));
+        for node in children(root).filter(|n| n.has_tag_name("default")) {
+            classes.class(node, None, 0);
+        }
+        classes
+    }
+
     fn class(&mut self, node: El<'a>, inside: Option<&'a str>, depth: usize) {
         if depth > limits::DEPTH {
             return;
         }
         let name = node.attribute("class").unwrap_or("main");
         let parts: Vec<El> = children(node).filter(|n| !n.has_tag_name("default")).collect();
-        let entry = self.classes.entry(name).or_insert((inside, Vec::new()));
+        let entry = self.0.entry(name).or_insert((inside, Vec::new()));
         entry.1.extend(&parts);
         // The outermost class may have a name of its own; it still holds for elements without a class.
         if inside.is_none()
             && name != "main"
-            && let Some(main) = self.classes.get_mut("main")
+            && let Some(main) = self.0.get_mut("main")
         {
             main.1.extend(&parts);
         }
@@ -90,7 +101,7 @@ impl<'a> Reader<'a, '_> {
         let mut all = vec![node];
         let mut at = Some(node.attribute("class").or(childclass).unwrap_or("main"));
         let mut steps = 0;
-        while let Some((above, parts)) = at.and_then(|name| self.classes.get(name)) {
+        while let Some((above, parts)) = at.and_then(|name| self.0.get(name)) {
             all.extend(parts.iter().rev().filter(|part| tags.contains(&part.tag_name().name())));
             (at, steps) = (*above, steps + 1);
             if steps > limits::DEPTH {
@@ -99,7 +110,9 @@ impl<'a> Reader<'a, '_> {
         }
         all
     }
+}
 
+impl<'a> Reader<'a, '_> {
     /// What hangs in a body, or in the world.
     fn inside(
         &mut self,
@@ -137,7 +150,7 @@ impl<'a> Reader<'a, '_> {
     }
 
     fn joint(&mut self, node: El<'a>, parent: Option<usize>, class: Option<&'a str>) {
-        let layers = self.layers(node, class, &["joint"]);
+        let layers = self.classes.layers(node, class, &["joint"]);
         let turns = match get(&layers, "type").map_or("hinge", |a| a.value()) {
             "hinge" => true,
             "slide" => false,
@@ -199,7 +212,7 @@ impl<'a> Reader<'a, '_> {
             let Some(k) = named.and_then(|name| self.model.joints.iter().position(|j| j.name == name)) else {
                 continue;
             };
-            let layers = self.layers(node, None, ACTUATORS);
+            let layers = self.classes.layers(node, None, ACTUATORS);
             let gear = get(&layers, "gear").and_then(|a| Some((a, *self.sheet.list(a)?.first()?)));
             let factor = gear.map_or(1.0, |(_, gear)| gear.abs());
             let mut found = Vec::new();

@@ -10,6 +10,8 @@ mod sdf;
 mod urdf;
 mod write;
 
+#[cfg(feature = "report")]
+pub(crate) use mjcf::gear_of;
 pub use write::{Change, Written};
 
 use std::collections::HashSet;

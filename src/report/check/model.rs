@@ -72,7 +72,7 @@ fn table(report: &ModelReport, model: usize) -> String {
             stated(Quantity::Effort),
             fact(hardware.and_then(|h| h.peak.as_ref())),
             stated(Quantity::Velocity),
-            fact(hardware.and_then(|h| h.no_load.as_ref())),
+            fact(hardware.and_then(|h| h.largest_speed.as_ref())),
             stated(Quantity::Armature),
             fact(joint.reflected.armature.as_ref()),
         ]
@@ -84,7 +84,7 @@ fn table(report: &ModelReport, model: usize) -> String {
         Column::number("effort", "N*m"),
         Column::number("peak", "N*m"),
         Column::number("velocity", "rad/s"),
-        Column::number("no load", "rad/s"),
+        Column::number("max speed", "rad/s"),
         Column::number("armature", "kg*m^2").dropped(3),
         Column::number("inertia", "kg*m^2").dropped(4),
     ];

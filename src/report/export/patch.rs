@@ -7,7 +7,7 @@ use roxmltree::Node;
 
 use super::{Exported, MARK, Origin, Wishes, dcmotor, digits, escape, mjcf, sdf, urdf};
 use crate::catalog::matches_pattern;
-use crate::mechanism::document;
+use crate::mechanism::{document, stated};
 use crate::words::nearest;
 
 /// A model's new text, and what should be known of it.
@@ -278,9 +278,9 @@ fn into_mjcf(
     }
     for actuator in actuators(root, name) {
         match (actuator.tag_name().name(), wishes.as_dcmotor) {
-            ("motor", false) => edits.set(actuator, &turned_as(actuator, mjcf::motor_attributes(e))),
+            ("motor", false) => edits.set(actuator, &turned_as(root, actuator, mjcf::motor_attributes(e))),
             ("dcmotor", true) => {
-                edits.set(actuator, &turned_as(actuator, dcmotor::all_motor_attributes(e, wishes)?));
+                edits.set(actuator, &turned_as(root, actuator, dcmotor::all_motor_attributes(e, wishes)?));
             }
             (other, true) => {
                 return Err(format!(
@@ -295,10 +295,14 @@ fn into_mjcf(
     Ok(())
 }
 
-/// The attributes of an actuator with the sign that its gear has in the model: the direction in which its command counts stays.
-fn turned_as(actuator: Node, mut attributes: Vec<(&'static str, String)>) -> Vec<(&'static str, String)> {
-    let first = |gear: &str| gear.split_whitespace().next().and_then(|first| first.parse::<f64>().ok());
-    let is_negative = actuator.attribute("gear").and_then(first).is_some_and(|gear| gear < 0.0);
+/// The attributes of an actuator with the sign that its gear has in the model, also by its class: the direction in which its command
+/// counts stays.
+fn turned_as<'a>(
+    root: Node<'a, 'a>,
+    actuator: Node<'a, 'a>,
+    mut attributes: Vec<(&'static str, String)>,
+) -> Vec<(&'static str, String)> {
+    let is_negative = stated::gear_of(root, actuator).is_some_and(|gear| gear < 0.0);
     for (_, gear) in
         attributes.iter_mut().filter(|(name, gear)| is_negative && *name == "gear" && !gear.starts_with('-'))
     {

@@ -78,8 +78,10 @@ pub struct Joint<'a> {
     pub peak_torque_nm: Option<Fact<'a>>,
     /// Largest speed that the model states.
     pub velocity_rad_per_s: Option<f64>,
-    /// Speed without load of the hardware at the joint.
+    /// No-load speed of the hardware at the joint.
     pub no_load_speed_rad_per_s: Option<Fact<'a>>,
+    /// Largest speed of the hardware at the joint: the least of no-load speed, `max_speed` of the motor and `max_input_speed` of the gear.
+    pub largest_speed_rad_per_s: Option<Fact<'a>>,
     /// Inertia of the actuator that the model states.
     pub armature_kgm2: Option<f64>,
     /// Inertia of the hardware at the joint.
@@ -205,6 +207,7 @@ fn joint<'a>(of: &'a ModelJoint<'a>) -> Joint<'a> {
         peak_torque_nm: hardware.and_then(|h| h.peak.as_ref()).map(Fact::from),
         velocity_rad_per_s: stated(Quantity::Velocity),
         no_load_speed_rad_per_s: hardware.and_then(|h| h.no_load.as_ref()).map(Fact::from),
+        largest_speed_rad_per_s: hardware.and_then(|h| h.largest_speed.as_ref()).map(Fact::from),
         armature_kgm2: stated(Quantity::Armature),
         inertia_kgm2: of.reflected.armature.as_ref().map(Fact::from),
     }

@@ -151,6 +151,32 @@ fn a_saturation_below_the_effort() {
     assert_eq!((status, finding(&value, "GW415")["bound"].as_f64()), (1, Some(30.1)));
 }
 
+/// A line may end at the largest speed that the gear allows: the same velocity keeps GW403 and GW415.
+#[test]
+fn a_line_ends_at_the_largest_speed_of_the_gear() {
+    let catalog = gearwise::catalog::Catalog::builtin().unwrap();
+    let gear = catalog.gears.iter().find(|gear| gear.max_input_speed.is_some()).unwrap();
+    let hardware = format!(
+        "[[joint]]\nnames = [\"*\"]\nmotor = \"t-motor-u8-lee\"\ngear = \"{}\"\nvoltage = \"1000 V\"\n",
+        gear.id
+    );
+    let largest = gear.max_input_speed.unwrap() / gear.ratio;
+    let at = |velocity: f64| {
+        let limits = format!(r#"{{"knee": {{"effort": 1e-3, "saturation": 2e-3, "velocity": {velocity}}}}}"#);
+        json(&hardware, &[("limits.json", &limits)]).1
+    };
+    let of_speed = |value: &Value| codes(value).into_iter().filter(|code| ["GW403", "GW415"].contains(code)).count();
+    assert_eq!(of_speed(&at(largest)), 0);
+    assert_eq!(codes(&at(1.2 * largest)).iter().filter(|code| **code == "GW403").count(), 1);
+    let early = at(0.8 * largest);
+    let joint = &early["models"][0]["joints"][0];
+    assert!((joint["largest_speed_rad_per_s"]["value"].as_f64().unwrap() / largest - 1.0).abs() < 1e-12);
+    assert!(joint["no_load_speed_rad_per_s"]["value"].as_f64().unwrap() > largest);
+    let found = finding(&early, "GW415");
+    assert!((found["bound"].as_f64().unwrap() / largest - 1.0).abs() < 1e-12);
+    holds(&found["message"], "below the largest speed");
+}
+
 /// IsaacLab #2478: the effort is the rated torque.
 #[test]
 fn an_effort_that_is_the_rated_torque() {
@@ -428,7 +454,8 @@ fn a_motor_with_a_ratio() {
     same("inertia_kgm2", 81.0 * motor.rotor_inertia.unwrap());
     assert_eq!(joint["inertia_kgm2"]["at_least"], true);
     let free = 24.0 / (2f64.sqrt() * motor.emf_constant());
-    same("no_load_speed_rad_per_s", motor.max_speed.map_or(free, |most| most.min(free)) / 9.0);
+    same("no_load_speed_rad_per_s", free / 9.0);
+    same("largest_speed_rad_per_s", motor.max_speed.map_or(free, |most| most.min(free)) / 9.0);
     let peak = motor.peak_torque.or(motor.peak_current.map(|i| motor.torque_constant * i)).unwrap();
     same("peak_torque_nm", 9.0 * peak);
 }

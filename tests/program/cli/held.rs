@@ -205,14 +205,31 @@ fn the_bench_gear_is_not_the_gear_that_is_mounted() {
 
 #[test]
 fn a_negative_gear_of_a_model_stays_negative() {
-    let model = "<mujoco><worldbody><body name=\"b\"><joint name=\"knee\" type=\"hinge\"/><inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/></body></worldbody><actuator><motor name=\"p\" joint=\"knee\" gear=\"-4 0 0 0 0 0\"/></actuator></mujoco>";
-    let folder = with(&[("r.toml", JOINT), ("robot.xml", model)]);
-    let arguments = ["export", "m@10", "r.toml", "--catalog", "m.csv", "--into", "robot.xml", "--map", "j=knee"];
-    let ran = folder::run(&folder, &arguments);
-    assert_eq!(ran.status, 0, "{}", ran.err);
-    let document = roxmltree::Document::parse(&ran.out).unwrap();
-    let motor = document.descendants().find(|n| n.has_tag_name("motor")).unwrap();
-    assert_eq!(motor.attribute("gear").unwrap().split(' ').next(), Some("-10"));
+    let body = "<worldbody><body name=\"b\"><joint name=\"knee\" type=\"hinge\"/><inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/></body></worldbody>";
+    let own =
+        format!("<mujoco>{body}<actuator><motor name=\"p\" joint=\"knee\" gear=\"-4 0 0 0 0 0\"/></actuator></mujoco>");
+    // Stated by a class, which the actuator names or which all inherit from; the actuator's own gear comes first.
+    let of_class = |defaults: &str, motor: &str| {
+        format!(
+            "<mujoco><default>{defaults}</default>{body}<actuator><motor name=\"p\" joint=\"knee\" {motor}/></actuator></mujoco>"
+        )
+    };
+    let turned = "<default class=\"turned\"><motor gear=\"-4\"/></default>";
+    for (model, gear) in [
+        (own, "-10"),
+        (of_class(turned, "class=\"turned\""), "-10"),
+        (of_class("<general gear=\"-4\"/>", ""), "-10"),
+        (of_class(turned, ""), "10"),
+        (of_class("<motor gear=\"-4\"/>", "gear=\"4\""), "10"),
+    ] {
+        let folder = with(&[("r.toml", JOINT), ("robot.xml", &model)]);
+        let arguments = ["export", "m@10", "r.toml", "--catalog", "m.csv", "--into", "robot.xml", "--map", "j=knee"];
+        let ran = folder::run(&folder, &arguments);
+        assert_eq!(ran.status, 0, "{}", ran.err);
+        let document = roxmltree::Document::parse(&ran.out).unwrap();
+        let motor = document.descendants().find(|n| n.has_tag_name("actuator")).unwrap().first_element_child().unwrap();
+        assert_eq!(motor.attribute("gear").unwrap().split(' ').next(), Some(gear), "{model}");
+    }
 }
 
 #[test]

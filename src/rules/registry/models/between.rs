@@ -31,7 +31,7 @@ fn same_limits(facts: &ModelFacts) -> Vec<ModelRemark> {
         // What the row says counts before what the other joint carries.
         let right_effort = hardware.peak.as_ref().map_or(effort.value * turns, |fact| fact.value);
         let right_velocity = hardware.fastest().map_or(velocity.value / turns, |fact| fact.value);
-        let by_row = hardware.peak.is_some() && hardware.no_load.is_some();
+        let by_row = hardware.peak.is_some() && hardware.largest_speed.is_some();
         let there = match by_row {
             true => {
                 let product = effort.value * velocity.value;

@@ -119,13 +119,13 @@ fn velocity_above_no_load(facts: &ModelFacts, k: usize) -> Judgement {
         Ok(asked) => asked,
         Err(judgement) => return judgement,
     };
-    let Some(free) = &hardware.no_load else {
-        return Judgement::NotJudged("neither a row of its hardware nor a `voltage` gives a no-load speed");
+    let Some(free) = &hardware.largest_speed else {
+        return Judgement::NotJudged("neither a row of its hardware nor a `voltage` gives a largest speed");
     };
     if velocity.value <= free.value * (1.0 + facts.file.tolerances.limits) || is_explained(facts, k) {
         return Judgement::Judged(Vec::new());
     }
-    let most = hardware.no_load_most.as_ref();
+    let most = hardware.largest_speed_most.as_ref();
     let beyond = |most: &&crate::hardware::Fact| velocity.value > most.value * (1.0 + facts.file.tolerances.limits);
     let free = match (free.holds, most.filter(beyond)) {
         (Holds::Exactly, _) => free,
@@ -177,7 +177,8 @@ fn outside_box(facts: &ModelFacts, k: usize) -> Judgement {
         fact.as_ref().is_some_and(|fact| value > fact.value * (1.0 + share))
     };
     // What is beyond the curve altogether is found as such.
-    if beyond(effort.value, &hardware.peak) || beyond(velocity.value, &hardware.no_load) || is_explained(facts, k) {
+    if beyond(effort.value, &hardware.peak) || beyond(velocity.value, &hardware.largest_speed) || is_explained(facts, k)
+    {
         return Judgement::Judged(Vec::new());
     }
     let (e, v) = (effort.value, velocity.value);
@@ -299,10 +300,10 @@ pub(in crate::rules::registry) const SATURATION: Rule = Rule {
     name: "model-saturation",
     summary: "the effort of a model is below its saturation, and its torque–speed line ends where the hardware's does",
     severity: Severity::Error,
-    what: "Of limits with a `saturation` (the torque at standstill of a torque–speed line that ends at `velocity`): the effort may not be above it, and the velocity must be the no-load speed of the hardware.",
+    what: "Of limits with a `saturation` (the torque at standstill of a torque–speed line that ends at `velocity`): the effort may not be above it, and the velocity must be no less than the largest speed of the hardware (GW403).",
     why: "The line is clipped by the effort. An effort above the saturation never acts, and a line that ends early takes torque at every speed. IsaacLab #2103.",
     example: "effort 33.5 N*m with saturation 23.7 N*m.",
-    fix: "Write the stall torque of the line as saturation, the peak torque as effort, the no-load speed as velocity.",
+    fix: "Write the stall torque of the line as saturation, the peak torque as effort, the largest speed of the hardware as velocity.",
     test: Test::ModelJoint(saturation),
 };
 
@@ -328,17 +329,16 @@ fn saturation(facts: &ModelFacts, k: usize) -> Judgement {
     let (Some(hardware), Some(velocity)) = (alone(joint), joint.get(Quantity::Velocity)) else {
         return Judgement::Judged(Vec::new());
     };
-    let Some(free) = &hardware.no_load else {
-        return Judgement::NotJudged("neither a row of its hardware nor a `voltage` gives a no-load speed");
+    let Some(largest) = &hardware.largest_speed else {
+        return Judgement::NotJudged("neither a row of its hardware nor a `voltage` gives a largest speed");
     };
-    if velocity.value >= free.value * (1.0 - share) {
+    if velocity.value >= largest.value * (1.0 - share) {
         return Judgement::Judged(Vec::new());
     }
-    let message = format!(
-        "{} ends the torque–speed line below the no-load speed, {} rad/s",
-        stated_as(velocity),
-        number(free.value)
-    );
-    let remark = about(k, facts, velocity, message).against(free, "no-load speed");
-    Judgement::Judged(vec![remark.write(Quantity::Velocity, free.value)])
+    // Where motor or gear allow less than the no-load speed, a line up to that would break GW403.
+    let name = if hardware.no_load.as_ref() == Some(largest) { "no-load speed" } else { "largest speed" };
+    let message =
+        format!("{} ends the torque–speed line below the {name}, {} rad/s", stated_as(velocity), number(largest.value));
+    let remark = about(k, facts, velocity, message).against(largest, name);
+    Judgement::Judged(vec![remark.write(Quantity::Velocity, largest.value)])
 }
