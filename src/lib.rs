@@ -46,6 +46,9 @@ pub mod actuator;
 #[cfg(feature = "report")]
 #[doc(hidden)]
 pub mod ask;
+#[cfg(test)]
+#[path = "../tests/cases/mod.rs"]
+pub(crate) mod cases;
 pub mod catalog;
 #[cfg(feature = "cli")]
 pub mod cli;

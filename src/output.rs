@@ -7,7 +7,7 @@
 //! where it does not exist. A device or a pipe (`/dev/null`, the shell's `>(command)`) is written to as it is. Who may
 //! read a file that is replaced stays as it was; one that is write-protected is not replaced. A file that the same run of
 //! the program has read or written is not replaced either, by whatever name it goes ([`inputs`]).
-#![cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
+#![cfg_attr(not(feature = "cli"), allow(unused_imports))]
 
 pub(crate) mod inputs;
 mod lock;

@@ -2,7 +2,7 @@
 
 use super::shaft::Actuator;
 use super::waveform::{Functional, Waveform};
-use super::weakening::AlongD;
+use super::weakening::{AlongD, Parabola};
 
 /// What currents along d are for, at a ratio.
 #[derive(Debug, Clone, Copy)]
@@ -29,6 +29,17 @@ impl Needs {
 
     fn ends(&self) -> impl Iterator<Item = &Actuator> {
         std::iter::once(&self.first).chain(&self.other)
+    }
+
+    /// The needs of each end alone, where the motor's drag has two and a current that burns returned power differs between them: it is no
+    /// current that lowers the voltage of the other end. A field is weakened by what the voltage asks for, at either end.
+    pub(crate) fn of_each_end(&self) -> Vec<Needs> {
+        match self.along {
+            AlongD::Braking { .. } if self.other.is_some() => {
+                self.ends().map(|end| Needs { first: *end, other: None, ..*self }).collect()
+            }
+            _ => Vec::new(),
+        }
     }
 
     /// Points need one where so much of a functional is more than its bound; `rippled` with the bandwidth torque on top.
@@ -63,11 +74,14 @@ impl Needs {
         let of_end = |end: &Actuator| {
             let here = waveform.at(end, self.ratio);
             let current = |k: usize| match self.along {
-                AlongD::Weakening(most) => here.parabola(k).least(bound, most * end.torque_constant),
+                AlongD::Weakening(most) => {
+                    let least = |parabola: Parabola| parabola.least(bound, most * end.torque_constant);
+                    here.parabolas(k).map(least).into_iter().fold(0.0, f64::min)
+                }
                 AlongD::Braking { beyond, most } => {
                     // A hair more than there is, for the same reason.
                     let (back, size) = here.power_back(k);
-                    let square = (back - beyond + 1e-14 * size) / end.loss_given();
+                    let square = (back - beyond + 1e-14 * size) / end.loss_returned();
                     -square.max(0.0).sqrt().min(most * end.torque_constant)
                 }
             };

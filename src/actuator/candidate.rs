@@ -3,7 +3,7 @@
 use super::estimate::ASSUMED_WINDING_TEMPERATURE;
 use super::fitted;
 use super::load::Load;
-use super::shaft::{Actuator, Feature};
+use super::shaft::{Actuator, End, Feature};
 use super::supply::{Drawn, Supply};
 use super::thermal;
 use super::thermal_motion::TwoNode;
@@ -143,16 +143,6 @@ impl<'a> Candidate<'a> {
     pub fn standby_power(&self) -> f64 {
         self.joint.drive.or(self.robot.bus.drive).standby_power.unwrap_or(0.0)
     }
-}
-
-/// An end of what is known of a motor's drag.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum End {
-    /// All of it Coulomb friction; the only one where it is known.
-    #[default]
-    First,
-    /// All of it viscous friction, or none of it where it is estimated.
-    Other,
 }
 
 impl Candidate<'_> {
@@ -416,7 +406,7 @@ impl Candidate<'_> {
 
     /// What is left of a continuous rating in surroundings hotter than ratings are made for: the root of the rise that is
     /// left, to the motor's own highest temperature or the one that is assumed; nothing where there is none left.
-    pub(super) fn derating(&self) -> f64 {
+    pub(crate) fn derating(&self) -> f64 {
         let hottest = self.motor.max_winding_temperature.unwrap_or(ASSUMED_WINDING_TEMPERATURE);
         match self.robot.ambient {
             ambient if ambient >= hottest => 0.0,
@@ -449,6 +439,7 @@ impl Candidate<'_> {
             time_constant_housing: sheet.thermal_time_constant_housing?.value * housing / row,
             ambient: self.robot.ambient,
             reference: self.motor.reference_temperature,
+            phases: self.motor.conventions.commutation == Commutation::Brushless,
         })
     }
 
@@ -483,7 +474,7 @@ impl Candidate<'_> {
 
 /// Ambient temperature up to which continuous ratings are taken as they are printed \[K\]: 40 °C, the standard ambient of
 /// rotating machines (IEC 60034-1).
-const RATED_UP_TO: f64 = 313.15;
+pub(crate) const RATED_UP_TO: f64 = 313.15;
 
 /// Owner of a highest winding temperature that neither motor nor requirement gives.
 pub const ASSUMED: &str = "assumed";

@@ -85,22 +85,37 @@ impl<'a> Steady<'a> {
     pub fn largest_torque(&self, functional: Functional, bound: f64, flow: Flow, speed: f64) -> Option<f64> {
         let sign = direction(flow);
         let value = |torque: f64| self.at(functional, flow, sign * torque, speed);
-        if matches!(functional, Functional::OpenVoltage(_) | Functional::LeastVoltage(_)) {
-            return largest_by_halving(&value, bound).map(|torque| sign * torque);
-        }
-        // Three samples at a torque of the root's own size lose no digits; it is found in a few rounds.
-        let mut scale = 1.0;
-        for _ in 0..4 {
-            let (zero, one, two) = (value(0.0), value(scale), value(2.0 * scale));
-            let square = 0.5 * (two - 2.0 * one + zero);
-            let root = scale * largest_root(square, one - zero - square, zero - bound)?;
-            if !root.is_finite() || root == 0.0 {
-                return Some(sign * root);
+        let largest = match functional {
+            Functional::OpenVoltage(_) | Functional::LeastVoltage(_) => largest_by_halving(&value, bound),
+            // The larger of two parabolas: both windings have to keep it.
+            Functional::VoltageSquared => {
+                let [hot, cold] = self.actuator.windings().map(|winding| {
+                    let squared = |x| winding.voltage_squared(flow, &self.sample(sign * x, speed)).at(self.ratio);
+                    largest_of_parabola(&squared, bound)
+                });
+                let far = hot?.min(cold?);
+                Some(far).filter(|far| far.is_infinite() || value(*far) <= bound + 1e-9 * bound.abs())
             }
-            scale = root;
-        }
-        Some(sign * scale)
+            _ => largest_of_parabola(&value, bound),
+        };
+        largest.map(|torque| sign * torque)
     }
+}
+
+/// The end of the interval of torques from zero on in which a parabola is at most a bound, as [`largest_root`].
+fn largest_of_parabola(value: &dyn Fn(f64) -> f64, bound: f64) -> Option<f64> {
+    // Three samples at a torque of the root's own size lose no digits; it is found in a few rounds.
+    let mut scale = 1.0;
+    for _ in 0..4 {
+        let (zero, one, two) = (value(0.0), value(scale), value(2.0 * scale));
+        let square = 0.5 * (two - 2.0 * one + zero);
+        let root = scale * largest_root(square, one - zero - square, zero - bound)?;
+        if !root.is_finite() || root == 0.0 {
+            return Some(root);
+        }
+        scale = root;
+    }
+    Some(scale)
 }
 
 /// The end of the interval from zero on in which a value that is no parabola is at most a bound; `None` where it is not so at

@@ -20,6 +20,10 @@ struct Saturation {
     current: f64,
     /// Up to this current the curve is used \[A\]; beyond it heat goes on as its tangent.
     last: f64,
+    /// Torque \[N·m\] and its slope \[N·m/A\] at that current.
+    end: (f64, f64),
+    /// True if the iron gives next to no more torque beyond.
+    ends: bool,
 }
 
 /// Adds all effects that the motor's row declares and that were fitted for it, where they are features of a sample.
@@ -109,6 +113,12 @@ impl Shortfall {
         self.saturation.is_some()
     }
 
+    /// Largest torque of the iron at any current \[N·m\], where the slope of the saturation curve has fallen to a hundredth of the torque
+    /// constant; `None` where it does not.
+    pub fn largest_torque(&self) -> Option<f64> {
+        Some(self.saturation.filter(|saturation| saturation.ends)?.end.0)
+    }
+
     /// What remains for the motion of a largest torque \[N·m\], where demands are multiplied with `safety`.
     pub fn left_of_torque(&self, largest: f64, safety: f64) -> f64 {
         if self.ripple == 0.0 && self.proportional == 0.0 {
@@ -177,19 +187,24 @@ impl Shortfall {
     /// Current at a torque ≥ 0 of the saturated curve \[A\] and its derivative \[A/(N·m)\].
     fn saturated(&self, saturation: Saturation, torque: f64) -> (f64, f64) {
         let k_t = self.torque_constant;
-        let end = saturation.torque(k_t, saturation.last);
+        let end = saturation.end;
         if torque > end.0 {
             // i² goes on as the tangent in T²: convex, and beyond what the motor can do anyway.
             let rate = 2.0 * saturation.last / end.1;
             let squared = saturation.last.powi(2) + rate / (2.0 * end.0) * (torque * torque - end.0 * end.0);
             return (squared.sqrt(), rate / (2.0 * end.0) * torque / squared.sqrt());
         }
+        if saturation.slope == k_t {
+            // T = K_T i_s tanh(i/i_s).
+            let share = torque / (k_t * saturation.current);
+            return (saturation.current * share.atanh(), 1.0 / (k_t * (1.0 - share * share)));
+        }
         // The curve rises and bends down: Newton from T/K_T, which is below the root, never passes it.
         let mut current = torque / k_t;
         for _ in 0..100 {
             let (value, slope) = saturation.torque(k_t, current);
             let next = (current + (torque - value) / slope).min(saturation.last);
-            let done = (next - current).abs() <= 1e-15 * current;
+            let done = (next - current).abs() <= 4.0 * f64::EPSILON * current;
             current = next;
             if done {
                 break;
@@ -205,7 +220,10 @@ impl Saturation {
         let share = 0.99 * torque_constant / slope;
         let steep = if (0.0..1.0).contains(&share) { current * share.sqrt().atanh() } else { f64::INFINITY };
         let largest = peak_current.unwrap_or(f64::INFINITY).max(current);
-        Saturation { slope, current, last: steep.min(1e3 * largest.min(1e6)) }
+        let last = steep.min(1e3 * largest.min(1e6));
+        let mut all = Saturation { slope, current, last, end: (0.0, torque_constant), ends: last == steep };
+        all.end = all.torque(torque_constant, last);
+        all
     }
 
     /// Torque \[N·m\] and its slope \[N·m/A\] at a current.

@@ -4,6 +4,7 @@
 use super::candidate::{Candidate, MapPart, hottest};
 use super::load::Load;
 use super::shaft::Actuator;
+use super::thermal::resistance_factor;
 use crate::catalog::Motor;
 use crate::catalog::drag::Friction;
 use crate::requirement::{GearModel, GearPiece, Joint, MotorDrag, Robot};
@@ -25,8 +26,11 @@ pub(crate) fn complete(
     gear: &GearModel,
 ) -> (Actuator, Option<Actuator>) {
     let drive = joint.drive.or(robot.bus.drive);
-    let actuator =
-        actuator.with_gear_friction(gear.no_load).with_drive_resistance(drive.phase_resistance.unwrap_or(0.0));
+    let coldest = motor.resistance * resistance_factor(robot.ambient, motor.reference_temperature);
+    let actuator = actuator
+        .with_gear_friction(gear.no_load)
+        .with_drive_resistance(drive.phase_resistance.unwrap_or(0.0))
+        .with_coldest_winding(coldest);
     let (first, second) = match joint.motor_drag {
         MotorDrag::Counted => motor.drag().ends(),
         MotorDrag::Off => (Friction::default(), None),

@@ -152,22 +152,6 @@ impl HeatCourse {
         (0..=last).map(piece).collect()
     }
 
-    /// From each entry to the next what the samples have, where both of them are of those that `count` (1, else 0), and
-    /// nothing elsewhere; where a case has its mean, that of `means`.
-    pub(super) fn pieces_where(&self, count: Vec<f64>, at_samples: Vec<f64>, means: Vec<f64>) -> Vec<Piece> {
-        let is_mean = |k: usize| {
-            self.play.as_ref().is_some_and(|play| play.entries.get(k).is_some_and(|e| matches!(e, Entry::Mean(_))))
-        };
-        let (counts, means) = (self.pieces(&self.spread(count)), self.pieces(&self.spread(means)));
-        let all = self.pieces(&self.spread(at_samples)).into_iter().zip(counts).zip(means).enumerate();
-        let kept = |(k, ((piece, counts), mean)): (usize, ((Piece, Piece), Piece))| match is_mean(k) {
-            true => mean,
-            false if counts.from == 1.0 && counts.to == 1.0 => piece,
-            false => Piece { from: 0.0, to: 0.0, ..piece },
-        };
-        all.map(kept).collect()
-    }
-
     /// The sample of an entry: that before a rest, and the first of a case where that has its mean heat.
     pub(super) fn sample(&self, entry: usize, samples: usize) -> usize {
         let Some(play) = &self.play else { return entry.min(samples - 1) };
@@ -179,9 +163,10 @@ impl HeatCourse {
         play.entries[..=entry].iter().rev().find_map(of).unwrap_or(0)
     }
 
-    pub(super) fn heat<'h>(&'h self, heat: &'h [f64]) -> Heat<'h> {
+    /// The heat of its entries as a course in time, and that of the hottest phase where it is not the same.
+    pub(super) fn heat<'h>(&'h self, heat: &'h [f64], phase: &'h [f64]) -> Heat<'h> {
         let settling = self.play.as_ref().map_or(&[][..], |play| &play.settling);
-        Heat { times: &self.times, period_or_duration: self.lasts, heat, settling }
+        Heat { times: &self.times, period_or_duration: self.lasts, heat, settling, phase }
     }
 }
 
@@ -302,6 +287,7 @@ mod tests {
         time_constant_housing: 700.0,
         ambient: 298.15,
         reference: 298.15,
+        phases: true,
     };
 
     fn cases(period: f64, steps: Vec<(usize, Lasting)>) -> Motion {
@@ -322,7 +308,7 @@ mod tests {
     fn peak(motion: &Motion, one_by_one: f64) -> f64 {
         let course = HeatCourse::of_cases(motion, motion.cases.as_ref().unwrap(), one_by_one);
         let heat = course.spread(motion.torque.iter().map(|t| 10.0 * t * t).collect());
-        match MOTOR.periodic_state(&course.heat(&heat)) {
+        match MOTOR.periodic_state(&course.heat(&heat, &[])) {
             Outcome::Settles(temperature) => temperature.peak - MOTOR.ambient,
             Outcome::Runaway => f64::INFINITY,
         }
@@ -363,7 +349,7 @@ mod tests {
             let peak = |motion: &Motion, one_by_one: f64| {
                 let course = HeatCourse::of_cases(motion, motion.cases.as_ref().unwrap(), one_by_one);
                 let heat = course.spread(motion.torque.iter().map(|t| t * t).collect());
-                match node.periodic_state(&course.heat(&heat)) {
+                match node.periodic_state(&course.heat(&heat, &[])) {
                     Outcome::Settles(temperature) => temperature.peak - node.ambient,
                     Outcome::Runaway => f64::INFINITY,
                 }

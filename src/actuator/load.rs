@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::along_d::Needs;
 use super::heat_course::HeatCourse;
-use super::shaft::{Actuator, FEATURE_POWER, FEATURES, FLOWS, Feature, Flow, ShaftForm, sign};
+use super::shaft::{Actuator, End, FEATURE_POWER, FEATURES, FLOWS, Feature, Flow, ShaftForm, sign};
 use super::stretch::Piece;
 use super::supply::Drawn;
 use super::thermal::winding_temperature;
@@ -93,10 +93,15 @@ pub struct Load {
     direct: Vec<f64>,
     /// What they are for.
     needs: Option<Needs>,
+    /// The load with the currents along d of each end of the motor's drag alone, which its voltage is computed with; empty where they are
+    /// the same.
+    of_ends: Vec<Load>,
     /// `bandwidth` with the currents along d that it needs, once they were asked for.
     rippled: OnceLock<Waveform>,
     weight: Arc<[f64]>,
+    /// Share of all time that each sample has at standstill, and 1 where it has some, else 0.
     rest: Arc<[f64]>,
+    still: Arc<[f64]>,
     /// Which sample follows which.
     steps: Arc<[Step]>,
     /// Where the gear is one of a family: the same on each piece of it.
@@ -105,6 +110,15 @@ pub struct Load {
     actuators: Vec<Load>,
     /// On a piece of a family of gears: what its efficiency and its torque without load that falls with the ratio take \[W\].
     gear_loss: Option<Laurent>,
+}
+
+/// Temperatures over a course of heat.
+struct Settled<'c> {
+    course: &'c HeatCourse,
+    /// Heat of every entry \[W\], and three times that of the hottest phase.
+    heat: Vec<f64>,
+    phase: Vec<f64>,
+    temperature: Temperature,
 }
 
 /// A direction of a load, and how means of an actuator move along it, with power flowing through the gear as it does: per unit.
@@ -209,9 +223,11 @@ impl Load {
             samples: in_means.into(),
             direct: Vec::new(),
             needs: None,
+            of_ends: Vec::new(),
             rippled: OnceLock::new(),
             weight: motion.weight.as_slice().into(),
             rest: motion.dwell.as_slice().into(),
+            still: motion.dwell.iter().map(|dwell| f64::from(*dwell > 0.0)).collect(),
             steps: Step::all(motion).into(),
             pieces: Vec::new(),
             actuators,
@@ -309,7 +325,17 @@ impl Load {
         let waveform = self.waveform.weakened(of_points);
         let each = |load: &Load| load.weakened(needs).unwrap_or_else(|| load.clone());
         let actuators = self.actuators.iter().map(each).collect();
-        Some(Load { waveform, direct, needs: Some(needs), rippled: OnceLock::new(), actuators, ..self.clone() })
+        let of_ends =
+            needs.of_each_end().into_iter().map(|own| self.weakened(own).unwrap_or_else(|| self.clone())).collect();
+        Some(Load {
+            waveform,
+            direct,
+            needs: Some(needs),
+            of_ends,
+            rippled: OnceLock::new(),
+            actuators,
+            ..self.clone()
+        })
     }
 
     /// The samples with the bandwidth torque on top, and with the currents along d that they need: all points of a sample have the
@@ -326,6 +352,11 @@ impl Load {
             }
             wave.weakened(of_points)
         }))
+    }
+
+    /// The load that the voltage at an end of the motor's drag is computed with.
+    pub(crate) fn for_voltage(&self, end: End) -> &Load {
+        self.of_ends.get(end as usize).unwrap_or(self)
     }
 
     /// Whether the samples with the bandwidth torque on top have currents along d that were not asked for yet.
@@ -472,6 +503,15 @@ impl Load {
         terms.fold(Laurent::default(), |a, b| a + b)
     }
 
+    /// The value of [`Load::drawn_cut`] at its ratio \[W\], of motors whose iron saturates.
+    pub(crate) fn mean_drawn(&self, actuator: &Actuator, drawn: Drawn, ratio: f64) -> f64 {
+        let of_power = |power: f64| {
+            let (factor, kept) = drawn.line(power);
+            Some(factor * power + kept)
+        };
+        self.mean_of_power(actuator, ratio, of_power).unwrap_or(f64::NAN)
+    }
+
     /// How [`Load::drawn_cut`] moves with the load along some directions.
     pub(crate) fn drawn_slopes(&self, actuator: &Actuator, drawn: Drawn, ratio: f64, along: &[Along]) -> Vec<Laurent> {
         let emf = actuator.back_emf_constant / actuator.torque_constant;
@@ -589,7 +629,7 @@ impl Load {
     pub fn winding_peak(&self, actuator: &Actuator, node: &TwoNode, ratio: f64) -> (f64, Option<usize>) {
         let heat = self.copper_heat(actuator, ratio);
         match self.settle(node, heat) {
-            Some((course, _, temperature)) => {
+            Some(Settled { course, temperature, .. }) => {
                 let sample = course.sample(temperature.peak_sample, self.samples.len());
                 (temperature.peak - node.ambient, Some(sample))
             }
@@ -601,7 +641,7 @@ impl Load {
     /// the samples \[s\]; `None` where it runs away.
     pub fn winding_course(&self, actuator: &Actuator, node: &TwoNode, ratio: f64) -> Option<(&[f64], Temperature)> {
         let heat = self.copper_heat(actuator, ratio);
-        self.settle(node, heat).map(|(course, _, temperature)| (course.times.as_slice(), temperature))
+        self.settle(node, heat).map(|settled| (settled.course.times.as_slice(), settled.temperature))
     }
 
     /// Whether the rise certainly stays within `bound` \[K\]: it does where even the largest heat, held for
@@ -612,7 +652,8 @@ impl Load {
             true => largest / (actuator.torque_constant * actuator.torque_constant),
             false => actuator.shortfall.current_squared(largest).0,
         };
-        let thermal_resistance = node.resistance_winding_housing + node.resistance_housing_ambient;
+        let stands = if self.has_phases(node) { 1.0 + self.still.iter().copied().fold(0.0, f64::max) } else { 1.0 };
+        let thermal_resistance = stands * node.resistance_winding_housing + node.resistance_housing_ambient;
         let settled =
             winding_temperature(current_squared, actuator.resistance, node.reference, thermal_resistance, node.ambient);
         settled.is_some_and(|t| t - node.ambient <= bound)
@@ -623,7 +664,7 @@ impl Load {
     /// it runs away, zero where this shows nothing.
     pub fn winding_peak_at_least(&self, actuator: &Actuator, node: &TwoNode, between: (f64, f64)) -> f64 {
         let Some([least, _]) = self.heat_between(actuator, between) else { return 0.0 };
-        self.settle(node, least).map_or(f64::INFINITY, |(.., temperature)| temperature.peak - node.ambient)
+        self.settle(node, least).map_or(f64::INFINITY, |settled| settled.temperature.peak - node.ambient)
     }
 
     /// Whether the rise is certainly beyond `bound` \[K\] at every ratio of `[low, high]`; `false` where that is not shown.
@@ -641,7 +682,7 @@ impl Load {
         bound: f64,
     ) -> bool {
         let Some([_, most]) = self.heat_between(actuator, between) else { return false };
-        self.settle(node, most).is_some_and(|(.., temperature)| temperature.peak - node.ambient <= bound)
+        self.settle(node, most).is_some_and(|settled| settled.temperature.peak - node.ambient <= bound)
     }
 
     /// Less than the least and more than the most copper heat \[W\] that every sample has at the ratios of `[low, high]`;
@@ -699,9 +740,9 @@ impl Load {
     ) -> (f64, Vec<f64>) {
         let heat = self.copper_heat(actuator, ratio);
         match self.settle(node, heat.clone()) {
-            Some((course, heat, temperature)) => {
-                let gradient = node.peak_gradient(&course.heat(&heat), course.course, &temperature);
-                let gradient = course.gather(gradient, self.samples.len());
+            Some(Settled { course, heat, phase, temperature }) => {
+                let gradient = node.peak_gradient(&course.heat(&heat, &phase), course.course, &temperature);
+                let gradient = self.of_samples(course, gradient);
                 let rise = temperature.peak - node.ambient;
                 if rise <= FAR_BEYOND * bound { (rise, gradient) } else { node.far_beyond(rise, gradient, bound) }
             }
@@ -709,47 +750,76 @@ impl Load {
         }
     }
 
+    /// A gradient by the heat of every sample, from that by the mean heat and by the heat of the hottest phase of every entry.
+    fn of_samples(&self, course: &HeatCourse, gradient: [Vec<f64>; 2]) -> Vec<f64> {
+        let [mut mean, phase] = gradient.map(|each| course.gather(each, self.samples.len()));
+        mean.iter_mut().zip(phase).enumerate().for_each(|(k, (g, phase))| *g += (1.0 + self.stands(k)) * phase);
+        mean
+    }
+
+    /// Share of the time of a sample at which the rotor stands.
+    fn stands(&self, k: usize) -> f64 {
+        if self.weight[k] > 0.0 { self.rest[k] / self.weight[k] } else { self.still[k] }
+    }
+
+    /// True if the phases of the winding have temperatures of their own.
+    fn has_phases(&self, node: &TwoNode) -> bool {
+        node.phases && self.dwell > 0.0
+    }
+
+    /// The heat of every entry of the course, and of its hottest phase, empty where the phases share the heat alike.
+    fn spread(&self, course: &HeatCourse, node: &TwoNode, heat: Vec<f64>) -> [Vec<f64>; 2] {
+        let phase = match self.has_phases(node) {
+            true => course.spread(heat.iter().enumerate().map(|(k, heat)| (1.0 + self.stands(k)) * heat).collect()),
+            false => Vec::new(),
+        };
+        [course.spread(heat), phase]
+    }
+
     /// Rise and gradient after the first periods of a heat that runs away.
     fn first_periods(&self, node: &TwoNode, heat: Vec<f64>, bound: f64) -> (f64, Vec<f64>) {
         let Some(course) = &self.course else { return (f64::INFINITY, vec![0.0; heat.len()]) };
-        let heat = course.spread(heat);
+        let [heat, phase] = self.spread(course, node, heat);
         let mut periods = 1;
         loop {
             let mut times: Vec<f64> =
                 (0..periods).flat_map(|n| course.times.iter().map(move |t| t + n as f64 * course.lasts)).collect();
             // The end of a period and the start of the next are one, but for rounding.
             (1..times.len()).for_each(|k| times[k] = times[k].max(times[k - 1]));
-            let repeated: Vec<f64> = (0..periods).flat_map(|_| heat.iter().copied()).collect();
+            let repeated = |of: &[f64]| (0..periods).flat_map(|_| of.iter().copied()).collect::<Vec<f64>>();
+            let (all, of_phase) = (repeated(&heat), repeated(&phase));
             let long = Heat {
                 times: &times,
                 period_or_duration: periods as f64 * course.lasts,
-                heat: &repeated,
+                heat: &all,
                 settling: &[],
+                phase: &of_phase,
             };
             let temperature = node.from_cold(&long);
             let rise = temperature.peak - node.ambient;
-            let last = periods >= 1 << 14 || 2 * repeated.len() > FIRST_SAMPLES;
+            let last = periods >= 1 << 14 || 2 * all.len() > FIRST_SAMPLES;
             if (rise > bound && rise.is_finite()) || last {
                 let each = node.peak_gradient(&long, Course::FromCold, &temperature);
-                let of_entry = |k: usize| each.iter().skip(k).step_by(heat.len()).sum();
-                return (rise, course.gather((0..heat.len()).map(of_entry).collect(), self.samples.len()));
+                let of_entry = |each: &[f64], k: usize| each.iter().skip(k).step_by(heat.len()).sum::<f64>();
+                let summed = each.map(|each| (0..heat.len()).map(|k| of_entry(&each, k)).collect());
+                return (rise, self.of_samples(course, summed));
             }
             periods *= 2;
         }
     }
 
     /// The course, the heat over it with its rest, and the temperatures; `None` where they run away.
-    fn settle(&self, node: &TwoNode, heat: Vec<f64>) -> Option<(&HeatCourse, Vec<f64>, Temperature)> {
-        let course = self.course.as_ref()?;
-        let heat = course.spread(heat);
+    fn settle(&self, node: &TwoNode, heat: Vec<f64>) -> Option<Settled<'_>> {
+        let course = self.course.as_deref()?;
+        let [heat, phase] = self.spread(course, node, heat);
         let temperature = match course.course {
-            Course::Periodic => match node.periodic_state(&course.heat(&heat)) {
+            Course::Periodic => match node.periodic_state(&course.heat(&heat, &phase)) {
                 Outcome::Settles(temperature) => temperature,
                 Outcome::Runaway => return None,
             },
-            Course::FromCold => node.from_cold(&course.heat(&heat)),
+            Course::FromCold => node.from_cold(&course.heat(&heat, &phase)),
         };
-        Some((course, heat, temperature))
+        Some(Settled { course, heat, phase, temperature })
     }
 
     /// The squared current \[A²\] of every sample at a ratio, with that of samples at standstill increased by the share
@@ -775,28 +845,22 @@ impl Load {
         (largest, self.dwell * duration, cycle)
     }
 
-    /// The heat at standstill over the motion \[W\] at a ratio, at the reference temperature, in the order of time, nothing
-    /// while it moves; and whether it repeats. `None` where the motion has no order.
-    pub fn standing_course(&self, actuator: &Actuator, ratio: f64) -> Option<(Vec<Piece>, bool)> {
-        let course = self.course.as_ref()?;
-        let heat = self.copper_heat(actuator, ratio);
-        // In a mean over a case each sample has the share of its time that stands.
-        let share = |k: usize| if self.weight[k] > 0.0 { self.rest[k] / self.weight[k] } else { 0.0 };
-        let means = (0..heat.len()).map(|k| share(k) * heat[k]).collect();
-        let stands = self.rest.iter().map(|rest| f64::from(*rest > 0.0)).collect();
-        Some((course.pieces_where(stands, heat, means), course.course == Course::Periodic))
-    }
-
     /// What the heat of a sample counts as, for the phase that is worst off.
     fn held(&self, k: usize, standing: f64) -> f64 {
-        if self.rest[k] > 0.0 { 1.0 + standing } else { 1.0 }
+        1.0 + standing * self.still[k]
     }
 
     /// The squared torque over the motion at a flange that has an inertia of its own \[kg·m²\] to turn \[N²·m²\], as
-    /// [`Load::course_of`]; at standstill it counts twice, as the worst phase's heat does. `None` without durations.
-    pub fn flange_course(&self, inertia: f64) -> Option<(Vec<Piece>, bool)> {
-        let square = |(k, sample): (usize, &WavePoint)| self.held(k, 1.0) * sample.flange_torque(inertia).powi(2);
-        self.has_flange_course().then(|| self.course_of(self.samples.iter().enumerate().map(square).collect()))
+    /// [`Load::course_of`]: that while it turns, and twice that at standstill, as the worst phase's heat is. `None` without durations.
+    pub fn flange_course(&self, inertia: f64) -> Option<(Vec<[Piece; 2]>, bool)> {
+        if !self.has_flange_course() {
+            return None;
+        }
+        let squares = |(k, sample): (usize, &WavePoint)| {
+            let (square, still) = (sample.flange_torque(inertia).powi(2), self.still[k]);
+            [(1.0 - still) * square, 2.0 * still * square]
+        };
+        Some(self.courses_of(&self.samples.iter().enumerate().map(squares).collect::<Vec<_>>()))
     }
 
     /// Whether there is such a course.
@@ -813,15 +877,28 @@ impl Load {
     /// Squared currents or torques of the samples over the motion, in the order of time, and whether they repeat. Operating
     /// points go from the coolest to the hottest: the order that is worst where they repeat. Without durations it is empty.
     pub fn course_of(&self, squares: Vec<f64>) -> (Vec<Piece>, bool) {
+        let (pieces, repeats) = self.courses_of(&squares.into_iter().map(|square| [square]).collect::<Vec<_>>());
+        (pieces.into_iter().flatten().collect(), repeats)
+    }
+
+    /// Pieces of several squares of each sample, side by side; operating points in the order of their sums.
+    fn courses_of<const N: usize>(&self, squares: &[[f64; N]]) -> (Vec<[Piece; N]>, bool) {
         let Some(course) = &self.course else {
             let Some(lasts) = self.duration else { return (Vec::new(), true) };
-            let points = squares.iter().zip(self.weight.iter());
-            let mut pieces: Vec<Piece> =
-                points.map(|(i, share)| Piece { duration: share * lasts, from: *i, to: *i }).collect();
-            pieces.sort_by(|a, b| a.from.total_cmp(&b.from));
+            let hold = |(squares, share): (&[f64; N], &f64)| {
+                squares.map(|square| Piece { duration: share * lasts, from: square, to: square })
+            };
+            let mut pieces: Vec<[Piece; N]> = squares.iter().zip(self.weight.iter()).map(hold).collect();
+            let sum = |pieces: &[Piece; N]| pieces.iter().map(|piece| piece.from).sum::<f64>();
+            pieces.sort_by(|a, b| sum(a).total_cmp(&sum(b)));
             return (pieces, true);
         };
-        (course.pieces(&course.spread(squares)), course.course == Course::Periodic)
+        let each: [Vec<Piece>; N] = std::array::from_fn(|n| {
+            course.pieces(&course.spread(squares.iter().map(|of_sample| of_sample[n]).collect()))
+        });
+        let count = each.first().map_or(0, Vec::len);
+        let pieces = (0..count).map(|k| std::array::from_fn(|n| each[n][k])).collect();
+        (pieces, course.course == Course::Periodic)
     }
 
     /// Copper heat of every sample at a ratio, at the reference temperature \[W\].

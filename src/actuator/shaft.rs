@@ -12,8 +12,10 @@
 //! P   = R i² + K_B N ω i                           without d(½ L i²)/dt, which is zero over a cycle
 //! ```
 //!
-//! R in the voltage and in the power that is taken is that of the hottest winding that may be; in heat, loss, energy and
-//! power that comes back it is that of the reference temperature.
+//! R in the power that is taken is that of the hottest winding that may be, in the power that comes back that of a winding at ambient
+//! temperature, and in heat, loss and energy that of the reference temperature. The voltage is computed with both the hottest winding and
+//! one at ambient temperature: |v|² is convex in R, so that the larger of the two bounds every temperature between them. While the motor
+//! brakes the cold winding needs more.
 //!
 //! The coefficients are made here, once; the sweep weighs features with them at a ratio, the ratio
 //! program takes the same coefficients as Laurent polynomials.
@@ -60,6 +62,16 @@ impl Flow {
     }
 }
 
+/// An end of what is known of a motor's drag.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum End {
+    /// All of it Coulomb friction; the only one where it is known.
+    #[default]
+    First,
+    /// All of it viscous friction, or none of it where it is estimated.
+    Other,
+}
+
 /// A motor with a gear: all coefficients that the equations of a sample need, SI, q axis.
 #[derive(Debug, Clone, Copy)]
 pub struct Actuator {
@@ -68,6 +80,11 @@ pub struct Actuator {
     /// Winding resistance that voltage and power taken are computed with \[Ω\]: that at the reference temperature until
     /// [`Actuator::with_winding_at`].
     pub hot_resistance: f64,
+    /// Winding resistance at ambient temperature \[Ω\], which voltage and power returned are computed with as well: that at the reference
+    /// temperature until [`Actuator::with_coldest_winding`].
+    pub cold_resistance: f64,
+    /// Torque constant of the cold motor \[N·m/A\].
+    cold_torque_constant: f64,
     /// Torque constant \[N·m/A\].
     pub torque_constant: f64,
     /// Back-EMF constant \[V·s/rad\].
@@ -128,6 +145,8 @@ impl Actuator {
         Actuator {
             resistance: motor.resistance,
             hot_resistance: motor.resistance,
+            cold_resistance: motor.resistance,
+            cold_torque_constant: motor.torque_constant,
             torque_constant,
             back_emf_constant: motor.emf_constant(),
             inertia,
@@ -153,6 +172,38 @@ impl Actuator {
         }
         self.hot_resistance = hot;
         self
+    }
+
+    /// Set the resistance of the coldest winding \[Ω\], at most that of the hottest; until then it is that at the reference temperature.
+    #[must_use]
+    pub fn with_coldest_winding(mut self, resistance: f64) -> Actuator {
+        self.cold_resistance = resistance.min(self.hot_resistance);
+        self
+    }
+
+    /// Split into an actuator with the hottest winding and one with the coldest: its resistance gives the cold motor's R/K_T at the torque
+    /// constant of the hottest.
+    pub fn windings(&self) -> [Actuator; 2] {
+        let [mut hot, mut cold] = [*self; 2];
+        (hot.cold_resistance, hot.cold_torque_constant) = (self.hot_resistance, self.torque_constant);
+        let cooler = self.cooler();
+        for (voltage, torque) in cold.voltage.iter_mut().zip(&self.torque) {
+            *voltage = voltage.plus(-cooler, torque);
+        }
+        cold.hot_resistance -= cooler * self.torque_constant;
+        (cold.cold_resistance, cold.cold_torque_constant) = (cold.hot_resistance, self.torque_constant);
+        [hot, cold]
+    }
+
+    /// Difference of the resistive voltage per shaft torque between hottest and coldest winding \[V/(N·m)\]: leads and drive do not change,
+    /// and cold magnets need less current.
+    pub fn cooler(&self) -> f64 {
+        self.resistance_per_torque() - self.cold_resistance_per_torque()
+    }
+
+    /// Resistance of the coldest winding, drive and leads over the torque constant of the cold motor \[V/(N·m)\].
+    pub fn cold_resistance_per_torque(&self) -> f64 {
+        (self.cold_resistance + self.drive_resistance) / self.cold_torque_constant
     }
 
     /// The same with more friction of the motor at its shaft.
@@ -319,9 +370,14 @@ impl Actuator {
         self.per_square(self.hot_resistance + self.drive_resistance)
     }
 
-    /// The same of power that comes back: with the winding at the reference temperature.
+    /// Loss per squared torque at the reference temperature, for mean losses \[W/(N·m)²\].
     pub fn loss_given(&self) -> f64 {
         self.per_square(self.resistance + self.drive_resistance)
+    }
+
+    /// Loss per squared torque of the coldest winding, for the largest regenerative power \[W/(N·m)²\].
+    pub fn loss_returned(&self) -> f64 {
+        self.cold_resistance_per_torque() / self.torque_constant
     }
 
     /// What of a loss in copper a loss with drive and leads is.

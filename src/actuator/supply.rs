@@ -147,10 +147,28 @@ impl Supply {
         features: &[f64; FEATURES],
         ratio: f64,
     ) -> Laurent {
-        let voltage = actuator.voltage_squared(flow, features);
-        let power = actuator.power(actuator.loss_taken(), flow, features);
+        self.touching(self.terminals(actuator, (flow, features), ratio), ratio)
+    }
+
+    /// The polynomial that touches the open-circuit voltage at a ratio, from those of squared voltage and power.
+    fn touching(&self, (voltage, power): (Laurent, Laurent), ratio: f64) -> Laurent {
         let [of_voltage, of_power, constant] = self.row(voltage.at(ratio), power.at(ratio));
         voltage * of_voltage + power * of_power + Laurent::constant(constant)
+    }
+
+    /// Squared voltage \[V²\] and power taken \[W\] of a sample: of the hottest or the coldest winding, whichever needs more at a ratio.
+    fn terminals(
+        &self,
+        actuator: &Actuator,
+        (flow, features): (Flow, &[f64; FEATURES]),
+        ratio: f64,
+    ) -> (Laurent, Laurent) {
+        let of = |winding: Actuator| {
+            (winding.voltage_squared(flow, features), winding.power(winding.loss_taken(), flow, features))
+        };
+        let [hot, cold] = actuator.windings().map(of);
+        let needed = |(voltage, power): &(Laurent, Laurent)| self.needed(voltage.at(ratio), power.at(ratio));
+        if needed(&cold) > needed(&hot) { cold } else { hot }
     }
 
     /// The same of a sample at a ratio \[W\], and the polynomial that touches it there; it is nothing or less wherever the sample keeps to
@@ -162,10 +180,9 @@ impl Supply {
         ratio: f64,
         shared: f64,
     ) -> (f64, Laurent) {
-        let voltage = actuator.voltage_squared(flow, features).at(ratio);
-        let power = actuator.power(actuator.loss_taken(), flow, features).at(ratio);
-        let row = self.polynomial(actuator, flow, features, ratio) + Laurent::constant(-self.open);
-        let (beyond, held) = self.asks_beyond((voltage, power), shared);
+        let terminals = self.terminals(actuator, (flow, features), ratio);
+        let row = self.touching(terminals, ratio) + Laurent::constant(-self.open);
+        let (beyond, held) = self.asks_beyond((terminals.0.at(ratio), terminals.1.at(ratio)), shared);
         (beyond, row * (held / shared))
     }
 

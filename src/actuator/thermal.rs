@@ -1,10 +1,10 @@
 //! Winding temperature in steady state, with the resistance of copper rising with temperature.
 
 /// Temperature coefficient of copper's resistance \[1/K\], of the resistance at 20 °C (IEC 60028).
-const AT_20_DEGREES: f64 = 0.003_93;
+pub(crate) const AT_20_DEGREES: f64 = 0.003_93;
 
 /// 20 °C \[K\].
-const TWENTY_DEGREES: f64 = 293.15;
+pub(crate) const TWENTY_DEGREES: f64 = 293.15;
 
 /// Temperature coefficient of copper's resistance \[1/K\], of the resistance at a reference temperature \[K\]: the
 /// resistance is a straight line in temperature, so that `α(T_0) = α_20/(1 + α_20 (T_0 − 20 °C))`. Only above 40 K or so;

@@ -25,13 +25,13 @@ pub enum Functional {
     TorqueSquared,
     /// `T² + (K_T i_d)²` \[N²·m²\].
     CurrentSquared,
-    /// `v_q² + v_d²` \[V²\].
+    /// `v_q² + v_d²` \[V²\], of the hottest or of the coldest winding, whichever needs more.
     VoltageSquared,
     /// The least of it with a current against the magnets of at most so much, times the torque constant \[N·m\].
     LeastVoltage(f64),
     /// Terminal power taken \[W\], of the hottest winding.
     Power,
-    /// Terminal power given back \[W\].
+    /// Terminal power returned \[W\], of the coldest winding.
     PowerBack,
     /// Open-circuit voltage that a supply needs \[V\].
     OpenVoltage(Supply),
@@ -54,6 +54,16 @@ impl Functional {
         }
     }
 
+    /// Actuators, each with one winding, of whose values it is the larger: hottest and coldest winding, or the actuator itself.
+    pub fn windings(self, actuator: &Actuator) -> Vec<Actuator> {
+        match self {
+            Functional::VoltageSquared | Functional::LeastVoltage(_) | Functional::OpenVoltage(_) => {
+                actuator.windings().to_vec()
+            }
+            _ => vec![*actuator],
+        }
+    }
+
     /// The polynomial of one sample. That of the open-circuit voltage touches it at a ratio; it is at most the supply's own
     /// wherever the sample keeps to that.
     pub fn polynomial(self, actuator: &Actuator, point: &WavePoint, ratio: f64) -> Laurent {
@@ -63,18 +73,24 @@ impl Functional {
             Functional::OpenVoltage(supply) => supply.polynomial(actuator, *flow, features, ratio),
             Functional::TorqueSquared => actuator.torque_squared(*flow, features),
             Functional::CurrentSquared => actuator.torque_squared(*flow, features) + squared(1.0),
-            Functional::VoltageSquared => weakened(actuator, point, *direct),
-            Functional::LeastVoltage(most) => {
-                weakened(actuator, point, weakening::parabola(actuator, (*flow, features), ratio).lowest(most))
-            }
+            Functional::VoltageSquared => larger(ratio, actuator, |winding| weakened(winding, point, *direct)),
+            Functional::LeastVoltage(most) => larger(ratio, actuator, |winding| {
+                weakened(winding, point, weakening::parabola(winding, (*flow, features), ratio).lowest(most))
+            }),
             Functional::Power => {
                 actuator.power(actuator.loss_taken(), *flow, features) + squared(actuator.loss_taken())
             }
             Functional::PowerBack => {
-                (actuator.power(actuator.loss_given(), *flow, features) + squared(actuator.loss_given())) * -1.0
+                (actuator.power(actuator.loss_returned(), *flow, features) + squared(actuator.loss_returned())) * -1.0
             }
         }
     }
+}
+
+/// The larger polynomial at a ratio of the hottest and the coldest winding.
+fn larger(ratio: f64, actuator: &Actuator, of: impl Fn(&Actuator) -> Laurent) -> Laurent {
+    let [hot, cold] = actuator.windings().map(|winding| of(&winding));
+    if cold.at(ratio) > hot.at(ratio) { cold } else { hot }
 }
 
 /// `v_q² + v_d²` of a sample with a current along d, as it changes with the ratio.
@@ -195,15 +211,20 @@ impl Keep for Beyond {
 /// Coefficients of one actuator at one ratio, for one direction of power.
 struct Weights {
     torque: [f64; FEATURES],
-    voltage: [f64; FEATURES],
+    /// Quadrature voltage of the hottest and of the coldest winding.
+    voltage: [[f64; FEATURES]; 2],
     direct: f64,
-    /// Of the hottest winding, for power taken; and at the reference temperature, for what comes back.
-    copper: f64,
-    cold_copper: f64,
+    /// Loss per squared torque of the hottest winding, for power taken, and of the coldest, for power returned.
+    copper: [f64; 2],
     emf: f64,
-    /// Resistance over torque constant, for the voltage of currents along d.
-    along: f64,
+    /// Resistance over torque constant of both windings, for the voltage of currents along d.
+    along: [f64; 2],
 }
+
+/// The hottest winding and the coldest, as places in [`Weights`].
+const WINDINGS: [usize; 2] = [HOT, COLD];
+const HOT: usize = 0;
+const COLD: usize = 1;
 
 impl Waveform {
     /// Arranges points.
@@ -370,19 +391,30 @@ impl Waveform {
     }
 
     fn walk_over<const D: usize>(&self, functional: Functional, actuator: &Actuator, ratio: f64, keep: &mut impl Keep) {
+        let voltage =
+            |weights: &Weights, node: &Node| of_windings(|winding| bound_voltage::<D>(weights, winding, node));
         match functional {
             Functional::TorqueSquared => self.search::<D>(actuator, ratio, bound_torque::<D>, value_torque::<D>, keep),
             Functional::CurrentSquared => {
                 self.search::<D>(actuator, ratio, bound_torque::<D>, value_current::<D>, keep);
             }
             Functional::LeastVoltage(most) => {
-                let value = |weights: &Weights, x: &[f64; FEATURES], _| value_least_voltage::<D>(weights, x, most);
-                self.search::<D>(actuator, ratio, bound_voltage::<D>, value, keep);
+                let value = |weights: &Weights, x: &[f64; FEATURES], _| {
+                    of_windings(|winding| value_least_voltage::<D>(weights, winding, x, most))
+                };
+                self.search::<D>(actuator, ratio, voltage, value, keep);
             }
             Functional::VoltageSquared => {
-                self.search::<D>(actuator, ratio, bound_voltage::<D>, value_voltage::<D>, keep);
+                let value = |weights: &Weights, x: &[f64; FEATURES], direct| {
+                    of_windings(|winding| value_voltage::<D>(weights, winding, x, direct))
+                };
+                self.search::<D>(actuator, ratio, voltage, value, keep);
             }
-            Functional::Power => self.search::<D>(actuator, ratio, bound_power::<D>, value_power::<D>, keep),
+            Functional::Power => {
+                let value = |weights: &Weights, x: &[f64; FEATURES], direct| value_power::<D>(weights, HOT, x, direct);
+                let bound = |weights: &Weights, node: &Node| bound_power::<D>(weights, HOT, node);
+                self.search::<D>(actuator, ratio, bound, value, keep);
+            }
             Functional::PowerBack => {
                 self.search::<D>(actuator, ratio, bound_power_back::<D>, value_power_back::<D>, keep);
             }
@@ -390,10 +422,16 @@ impl Waveform {
                 actuator,
                 ratio,
                 |weights, node| {
-                    supply.needed_at_most(bound_voltage::<D>(weights, node), bound_power::<D>(weights, node))
+                    of_windings(|winding| {
+                        let power = bound_power::<D>(weights, winding, node);
+                        supply.needed_at_most(bound_voltage::<D>(weights, winding, node), power)
+                    })
                 },
                 |weights, x, direct| {
-                    supply.needed(value_voltage::<D>(weights, x, direct), value_power::<D>(weights, x, direct))
+                    of_windings(|winding| {
+                        let power = value_power::<D>(weights, winding, x, direct);
+                        supply.needed(value_voltage::<D>(weights, winding, x, direct), power)
+                    })
                 },
                 keep,
             ),
@@ -508,22 +546,24 @@ impl AtRatio<'_> {
         (weights, std::array::from_fn(|f| self.points.columns[f][index]))
     }
 
-    /// The voltage of a point as a parabola in the current along d.
-    pub fn parabola(&self, index: usize) -> Parabola {
+    /// The voltage of a point as a parabola in the current along d, of the hottest winding and of the coldest.
+    pub fn parabolas(&self, index: usize) -> [Parabola; 2] {
         let (weights, x) = self.point(index);
-        let (quadrature, torque) = (dot::<FEATURES>(&weights.voltage, &x), dot::<FEATURES>(&weights.torque, &x));
-        Parabola::new(quadrature, torque, weights.direct * x[VELOCITY], weights.along)
+        WINDINGS.map(|winding| parabola::<FEATURES>(weights, winding, &x))
     }
 
-    /// The squared voltage \[V²\] of a point and the power that it takes \[W\], with the currents along d that it has.
-    pub fn terminals(&self, index: usize) -> (f64, f64) {
+    /// The squared voltage \[V²\] of a point and the power that it takes \[W\], with the currents along d that it has, of the hottest
+    /// winding and of the coldest.
+    pub fn terminals(&self, index: usize) -> [(f64, f64); 2] {
         let (weights, x) = self.point(index);
         let direct = self.direct.get(index).copied().unwrap_or(0.0);
-        (value_voltage::<FEATURES>(weights, &x, direct), value_power::<FEATURES>(weights, &x, direct))
+        WINDINGS.map(|winding| {
+            let power = value_power::<FEATURES>(weights, winding, &x, direct);
+            (value_voltage::<FEATURES>(weights, winding, &x, direct), power)
+        })
     }
 
-    /// Power that a point gives back at its terminals, with a winding at the reference temperature \[W\]; less than zero where it takes
-    /// some.
+    /// Power that a point returns at its terminals, with the coldest winding \[W\]; less than zero where it takes some.
     pub fn given_back(&self, index: usize) -> f64 {
         let (weights, x) = self.point(index);
         value_power_back::<FEATURES>(weights, &x, self.direct.get(index).copied().unwrap_or(0.0))
@@ -533,23 +573,31 @@ impl AtRatio<'_> {
     pub fn power_back(&self, index: usize) -> (f64, f64) {
         let (weights, x) = self.point(index);
         let torque = dot::<FEATURES>(&weights.torque, &x);
-        let (heat, work) = (weights.cold_copper * torque * torque, weights.emf * x[VELOCITY] * torque);
+        let (heat, work) = (weights.copper[COLD] * torque * torque, weights.emf * x[VELOCITY] * torque);
         (-(heat + work), heat + work.abs())
     }
 }
 
 impl Weights {
     fn new(actuator: &Actuator, flow: Flow, ratio: f64) -> Weights {
+        let torque = actuator.torque_form(flow).weights(ratio);
+        let hot = actuator.voltage_form(flow).weights(ratio);
+        let cooler = actuator.cooler();
         Weights {
-            torque: actuator.torque_form(flow).weights(ratio),
-            voltage: actuator.voltage_form(flow).weights(ratio),
+            torque,
+            voltage: [hot, std::array::from_fn(|f| hot[f] - cooler * torque[f])],
             direct: actuator.cross_coupling * ratio,
-            copper: actuator.loss_taken(),
-            cold_copper: actuator.loss_given(),
+            copper: [actuator.loss_taken(), actuator.loss_returned()],
             emf: actuator.back_emf_constant / actuator.torque_constant * ratio,
-            along: actuator.resistance_per_torque(),
+            along: [actuator.resistance_per_torque(), actuator.cold_resistance_per_torque()],
         }
     }
+}
+
+/// The larger value of the hottest winding and of the coldest.
+#[inline(always)]
+fn of_windings(value: impl Fn(usize) -> f64) -> f64 {
+    value(HOT).max(value(COLD))
 }
 
 #[inline(always)]
@@ -597,38 +645,48 @@ fn bound_torque<const D: usize>(weights: &Weights, node: &Node) -> f64 {
 const VELOCITY: usize = Feature::Velocity as usize;
 
 #[inline(always)]
-fn value_voltage<const D: usize>(weights: &Weights, features: &[f64; FEATURES], direct: f64) -> f64 {
+fn value_voltage<const D: usize>(weights: &Weights, winding: usize, features: &[f64; FEATURES], direct: f64) -> f64 {
     let across = weights.direct * features[VELOCITY];
-    let quadrature = dot::<D>(&weights.voltage, features) + across * direct;
-    let own = weights.along * direct - across * dot::<D>(&weights.torque, features);
+    let quadrature = dot::<D>(&weights.voltage[winding], features) + across * direct;
+    let own = weights.along[winding] * direct - across * dot::<D>(&weights.torque, features);
     quadrature * quadrature + own * own
 }
 
 #[inline(always)]
-fn value_least_voltage<const D: usize>(weights: &Weights, features: &[f64; FEATURES], most: f64) -> f64 {
-    let (quadrature, torque) = (dot::<D>(&weights.voltage, features), dot::<D>(&weights.torque, features));
-    let parabola = Parabola::new(quadrature, torque, weights.direct * features[VELOCITY], weights.along);
+fn parabola<const D: usize>(weights: &Weights, winding: usize, features: &[f64; FEATURES]) -> Parabola {
+    let quadrature = dot::<D>(&weights.voltage[winding], features);
+    let torque = dot::<D>(&weights.torque, features);
+    Parabola::new(quadrature, torque, weights.direct * features[VELOCITY], weights.along[winding])
+}
+
+#[inline(always)]
+fn value_least_voltage<const D: usize>(
+    weights: &Weights,
+    winding: usize,
+    features: &[f64; FEATURES],
+    most: f64,
+) -> f64 {
+    let parabola = parabola::<D>(weights, winding, features);
     parabola.at(parabola.lowest(most)).max(0.0)
 }
 
 #[inline(always)]
-fn bound_voltage<const D: usize>(weights: &Weights, node: &Node) -> f64 {
-    let quadrature = largest_magnitude::<D>(&weights.voltage, node);
+fn bound_voltage<const D: usize>(weights: &Weights, winding: usize, node: &Node) -> f64 {
+    let quadrature = largest_magnitude::<D>(&weights.voltage[winding], node);
     let speed = node.center[VELOCITY].abs() + node.radius[VELOCITY];
     let direct = weights.direct * speed * largest_magnitude::<D>(&weights.torque, node);
     (quadrature * quadrature + direct * direct) * (1.0 + 1e-14)
 }
 
 #[inline(always)]
-fn value_power<const D: usize>(weights: &Weights, features: &[f64; FEATURES], direct: f64) -> f64 {
+fn value_power<const D: usize>(weights: &Weights, winding: usize, features: &[f64; FEATURES], direct: f64) -> f64 {
     let torque = dot::<D>(&weights.torque, features);
-    weights.copper * (torque * torque + direct * direct) + weights.emf * features[VELOCITY] * torque
+    weights.copper[winding] * (torque * torque + direct * direct) + weights.emf * features[VELOCITY] * torque
 }
 
 #[inline(always)]
 fn value_power_back<const D: usize>(weights: &Weights, features: &[f64; FEATURES], direct: f64) -> f64 {
-    let torque = dot::<D>(&weights.torque, features);
-    -(weights.cold_copper * (torque * torque + direct * direct) + weights.emf * features[VELOCITY] * torque)
+    -value_power::<D>(weights, COLD, features, direct)
 }
 
 /// Largest and smallest product of speed and torque over a box.
@@ -645,9 +703,9 @@ fn mechanical<const D: usize>(weights: &Weights, node: &Node) -> (f64, f64, f64)
 }
 
 #[inline(always)]
-fn bound_power<const D: usize>(weights: &Weights, node: &Node) -> f64 {
+fn bound_power<const D: usize>(weights: &Weights, winding: usize, node: &Node) -> f64 {
     let (_, high, torque) = mechanical::<D>(weights, node);
-    weights.copper * torque * torque + weights.emf * high
+    weights.copper[winding] * torque * torque + weights.emf * high
 }
 
 #[inline(always)]

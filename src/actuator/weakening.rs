@@ -74,9 +74,9 @@ pub enum AlongD {
 }
 
 /// `d²` \[N²·m²\] with which a sample gives no more than `beyond` \[W\] back, as it changes with the ratio; none is needed where
-/// it is below zero. With the winding at its reference temperature, as power that comes back is computed.
+/// it is below zero. With the coldest winding, as power returned is computed.
 pub(crate) fn braking_square(actuator: &Actuator, sample: Sample, beyond: f64) -> Laurent {
-    let loss = actuator.loss_given();
+    let loss = actuator.loss_returned();
     (actuator.power(loss, sample.0, sample.1) + Laurent::constant(beyond)) * (-1.0 / loss)
 }
 

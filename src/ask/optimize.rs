@@ -229,7 +229,12 @@ fn find<'a>(
         (Some(whole), Some(path)) => ruled.whole(&result, whole, names, ground, path).map(Some),
         _ => design,
     };
-    let costs = if asked.with_costs { ruled.costs(plain, catalog, &result, search)? } else { Vec::new() };
+    let by_default = matches!(asked.rules, Rules::OfRequirement) && !ruled.keeps() && looked_at;
+    let costs = match asked.with_costs {
+        true if by_default => Ruled::other_designs(&result, names, ground, search)?,
+        true => ruled.costs(plain, catalog, &result, search)?,
+        false => Vec::new(),
+    };
     Ok(Found { result, outlooks, choice, design, costs, costs_of_robot, took })
 }
 
@@ -344,8 +349,8 @@ impl Optimized {
         if let Some(cost) = &found.costs_of_robot {
             whole.push_str(&format!("\n{}", table::paragraph(cost, 0, 2)));
         }
-        let costs: String = found.costs.iter().map(|line| table::paragraph(line, 0, 2)).collect();
-        self.cell.borrow_owner().told_set() + &costs + &report::text(&found.result, &found.outlooks, shown) + &whole
+        let text = report::text(&found.result, &found.outlooks, &found.costs, shown);
+        self.cell.borrow_owner().told_set() + &text + &whole
     }
 }
 

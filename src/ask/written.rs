@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::Failure;
 use crate::catalog::Catalog;
-use crate::design::answer::{Design, Reason, Rejected, RobotResult};
+use crate::design::answer::{Design, JointResult, Reason, Rejected, RobotResult};
 use crate::design::buildable::built;
 use crate::design::evaluate::FEASIBILITY_TOLERANCE;
 use crate::design::families::settle;
@@ -64,6 +64,60 @@ impl Ruled {
         Ok(Ruled { robot, kept, rules, path })
     }
 
+    /// Sentences for the joints where `--write-design` would write another design than the recommended one: that design, and the rule that
+    /// rejects the recommendation. Empty if the default rules accept all recommended designs, or if a joint has none.
+    ///
+    /// # Errors
+    /// A search that was stopped.
+    pub fn other_designs(
+        result: &RobotResult,
+        names: Names,
+        ground: (&Robot, &Catalog),
+        options: Options,
+    ) -> Result<Vec<String>, Failure> {
+        let (ruled, path) = (Ruled::new(result.robot.clone(), None, true, false)?, Path::new("design.toml"));
+        let Some(rules) = &ruled.rules else { return Ok(Vec::new()) };
+        // The requirement is the one that was read: a pipe cannot be read again.
+        let read = Arc::new(Source::new(names.requirement.display().to_string(), ""));
+        let names = Names { given: Some(names.given.unwrap_or(&read)), ..names };
+        let Some(designs) = result.joints.iter().map(|of| of.candidates.first()).collect::<Option<Vec<&Design>>>()
+        else {
+            return Ok(Vec::new());
+        };
+        let make = |(of, design): (&JointResult, &&Design)| made_again(result.robot, of.joint, ground.1, design);
+        let made = result.joints.iter().zip(&designs).map(make).collect();
+        let text = ruled.text(result, "First choices", designs.clone(), made, names, path);
+        let none = |why: String| Ok(vec![format!("`--write-design` would write no design: {why}")]);
+        let broken = match ruled.broken(&text.toml, path, ground, rules, names) {
+            Ok(broken) if broken.is_empty() => return Ok(Vec::new()),
+            Ok(broken) => broken,
+            Err(why) => return none(why),
+        };
+        let options = Options { only_checked: options.only_checked, keep: None, reasons: false, ..options };
+        let mut other = optimize_with(&ruled.robot, ground.1, options)?;
+        if let Err(why) = ruled.keep(&mut other, names, ground, Some(path)) {
+            return none(why);
+        }
+        let line = |((of, design), other): ((&JointResult, &Design), &JointResult)| {
+            let name = &of.joint.name;
+            let rule = broken.iter().find(|(joint, _)| joint.as_ref() == Some(name)).map(|(_, why)| why.as_str());
+            let because = rule.map_or_else(String::new, |why| format!(" {} violates rule {why}.", named(design)));
+            let Some(kept) = other.candidates.first() else {
+                return Some(format!(
+                    "{name}: `--write-design` would write no design.{because} `--no-rules` writes it."
+                ));
+            };
+            let same = kept.motor.id == design.motor.id && kept.gear == design.gear;
+            if same && (rule.is_none() || kept.evaluation.ratio == design.evaluation.ratio) {
+                return None;
+            }
+            let mass = kept.evaluation.mass.map_or_else(String::new, |mass| format!("{} kg, ", number(mass)));
+            let figures = format!("{mass}{} W", number(kept.evaluation.loss));
+            Some(format!("{name}: `--write-design` would write {} ({figures}) instead.{because}", named(kept)))
+        };
+        Ok(result.joints.iter().zip(designs).zip(&other.joints).filter_map(line).collect())
+    }
+
     /// Whether there are rules to keep.
     pub fn keeps(&self) -> bool {
         self.rules.is_some()
@@ -88,7 +142,7 @@ impl Ruled {
         take_objectives(&mut plain, &self.robot);
         let options = Options { only_checked: false, keep: Some(1), reasons: false, ..options };
         let free = optimize_with(&plain, catalog, options)?;
-        let line = |(with, free): (&crate::design::JointResult, &crate::design::JointResult)| {
+        let line = |(with, free): (&JointResult, &JointResult)| {
             let name = &with.joint.name;
             match (with.candidates.first(), free.candidates.first()) {
                 (None, Some(first)) => {
@@ -187,7 +241,7 @@ impl Ruled {
                 return Ok(None);
             }
             let designs: Vec<&Design> = result.joints.iter().map(|joint| &joint.candidates[0]).collect();
-            let make = |(joint, design): (&crate::design::JointResult, &&Design)| {
+            let make = |(joint, design): (&JointResult, &&Design)| {
                 path.and_then(|_| made_again(result.robot, joint.joint, catalog, design))
             };
             let made = result.joints.iter().zip(&designs).map(make).collect();

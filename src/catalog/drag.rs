@@ -8,11 +8,13 @@
 use super::Motor;
 use super::convention::Commutation;
 use super::estimate::Estimated;
+use crate::effects::FittedEffect;
 
 /// What is known of a motor's drag.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Drag {
-    /// Its row declares Coulomb friction, or logs told it: the model has it by its columns and effects.
+    /// Its row declares Coulomb friction, or logs showed friction: the model has it by its columns and effects. What logs cannot show stays as
+    /// the row says.
     Declared,
     /// One torque without load, beyond viscous friction that the row declares.
     NoLoad {
@@ -68,7 +70,9 @@ impl Motor {
         let speed = self.sheet.no_load_speed.map(|p| p.value).filter(|speed| *speed > 0.0);
         let is_brushless = self.conventions.commutation == Commutation::Brushless;
         match (self.no_load_torque, self.viscous_friction) {
-            _ if self.coulomb_friction.is_some() || self.fit.is_some() || !self.effects.is_empty() => Drag::Declared,
+            _ if self.coulomb_friction.is_some() || self.effects.iter().any(FittedEffect::is_friction) => {
+                Drag::Declared
+            }
             // The part that grows with speed alone says nothing of the other.
             (None, _) => Drag::Unknown,
             (Some(torque), _) if self.is_estimated(Estimated::Drag) => Drag::Estimated { torque },

@@ -16,6 +16,8 @@ pub struct FittedGear {
 /// Where a fitted actuator comes from, and how sure its numbers are.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Fit {
+    /// Id of the catalogue entry that was fitted; empty where the file does not say it.
+    pub entry: String,
     /// Version of the program that fitted it.
     pub version: String,
     /// ± of effects' parameters by `effect.parameter`, of an order by `effect.order.parameter`, in their SI unit.

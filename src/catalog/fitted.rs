@@ -158,7 +158,10 @@ fn read_root(root: &Section) -> Option<Fitted> {
             "\"0.1.0\"  # the version that fitted it",
         )
         .map(|v| v.get_ref().clone());
-    let mut fit = Fit { version: version.unwrap_or_default(), ..Fit::default() };
+    let entry = root
+        .text(key("entry", "id of the catalogue entry that was fitted: its gears fit this machine"))
+        .map(|v| v.get_ref().clone());
+    let mut fit = Fit { version: version.unwrap_or_default(), entry: entry.unwrap_or_default(), ..Fit::default() };
     let of_axis = root.has(AXIS.value("table")) && !root.has(MOTOR.value("table"));
     let axis = if of_axis { root.section(AXIS).and_then(read_axis) } else { None };
     if !of_axis && !root.has("motor") {

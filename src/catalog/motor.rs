@@ -307,16 +307,20 @@ impl Motor {
         })
     }
 
-    /// The current i_s \[A\] of T = K_T i_s tanh(i/i_s) through the row's peak torque and peak current: where the row says that the
-    /// torque is the motor's own, and it is less than K_T I_peak by more than printed digits leave. `None` elsewhere, and of a motor with a
-    /// fit, whose logs say what its iron does.
+    /// The current i_s \[A\] of T = K_T i_s tanh(i/i_s) through the row's peak torque: at its linearity where the row prints it, else at its
+    /// peak current where the row says that the torque is the motor's own, and it is less than K_T I_peak by more than printed digits leave.
+    /// `None` elsewhere, and of a motor with a fit, whose logs say what its iron does.
     pub fn saturation_current(&self) -> Option<f64> {
-        let own =
-            self.about.peak_torque_of == Some(PeakTorqueOf::Motor) && self.fit.is_none() && self.effects.is_empty();
-        let printed = self.sheet.peak_torque.is_some() && self.sheet.peak_current.is_some();
-        let (torque, current) = (self.peak_torque?, self.peak_current?);
-        let share = torque / (self.torque_constant * current);
-        if !own || !printed || share.is_nan() || share <= 0.0 || share >= 1.0 - SATURATES {
+        let own = self.about.peak_torque_of == Some(PeakTorqueOf::Motor) && self.sheet.peak_current.is_some();
+        let torque = self.peak_torque.filter(|_| self.sheet.peak_torque.is_some())?;
+        let (share, current) = match self.sheet.peak_torque_linearity {
+            Some(printed) => (printed.value, torque / (self.torque_constant * printed.value)),
+            None => {
+                let current = self.peak_current.filter(|_| own)?;
+                (torque / (self.torque_constant * current), current)
+            }
+        };
+        if self.fit.is_some() || !self.effects.is_empty() || !(share > 0.0 && share < 1.0 - SATURATES) {
             return None;
         }
         // tanh(x)/x falls from 1, and is below the share at 1/share.

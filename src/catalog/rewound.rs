@@ -102,6 +102,16 @@ impl Motor {
         self.wound.as_ref().map_or(&self.id, |wound| &wound.of)
     }
 
+    /// Id of the machine: of the entry that was fitted or rewound. Gears that fit the one fit the other.
+    pub fn machine_id(&self) -> &str {
+        let fitted = self.fit.as_ref().map(|fit| match fit.entry.as_str() {
+            // Files of earlier versions say it in the id alone.
+            "" => self.row_id().strip_suffix("-fitted").unwrap_or(self.row_id()),
+            entry => entry,
+        });
+        fitted.unwrap_or(self.row_id())
+    }
+
     /// Its turns as a multiple of its row's.
     pub fn turns(&self) -> f64 {
         self.wound.as_ref().map_or(1.0, |wound| wound.turns)

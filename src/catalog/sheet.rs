@@ -228,6 +228,9 @@ sheet! {
     continuous_torque: TORQUE, Positive;
     /// Torque that must never be exceeded \[N·m\].
     peak_torque: TORQUE, Positive;
+    /// Share of K_T times the current that the motor gives at its peak torque, as iron saturates: 0.8 of one at 20 % deviation from
+    /// linearity.
+    peak_torque_linearity: RATIO, Fraction;
     /// Stall torque at the nominal voltage \[N·m\].
     stall_torque: TORQUE, Positive;
     /// Speed that must never be exceeded \[rad/s\].

@@ -10,8 +10,8 @@ use super::solved::solve;
 use super::spring::{choose, nearest};
 use super::turns::{TurnsRange, can_be_asked};
 use super::{Evaluation, Prepared, Unusable};
-use crate::actuator::candidate::End;
 use crate::actuator::limits::{Asked, Candidate, Remark};
+use crate::actuator::shaft::End;
 use crate::actuator::thermal::Winding;
 use crate::catalog::{Gear, Motor};
 use crate::numerics::grid::grid;
@@ -111,7 +111,7 @@ impl Explanation<'_> {
         match (&self.joint.ratio, self.gear) {
             // A module is allowed as a whole, or it is no candidate.
             _ if self.motor.inside.is_some() => None,
-            (_, Some(gear)) if gear.fits(self.motor.row_id()) == Some(false) => Some(Forbidden::DoesNotFit),
+            (_, Some(gear)) if gear.fits(self.motor.machine_id()) == Some(false) => Some(Forbidden::DoesNotFit),
             (_, Some(gear)) if self.joint.family_map().is_some_and(|map| map.family() != gear.family) => {
                 Some(Forbidden::Gear)
             }

@@ -89,7 +89,7 @@ pub(super) fn check(joint: &Joint, patterns: &[String], catalog: &Catalog) -> Re
     }
     let may_be = |motor: &&crate::catalog::Motor| joint.motors.allows(motor) && motor.inside.is_none();
     let is_for = |family: &Family| {
-        let fits = |motor: &crate::catalog::Motor| family.gear.fits(motor.row_id()) != Some(false);
+        let fits = |motor: &crate::catalog::Motor| family.gear.fits(motor.machine_id()) != Some(false);
         catalog.motors.iter().chain(&catalog.aside).filter(may_be).any(fits)
     };
     if let Some(family) = named.iter().find(|family| !is_for(family)) {

@@ -228,7 +228,7 @@ impl<'a> JointDemand<'a> {
 
     /// The gears that may be mounted on a motor, each with its load.
     pub fn gears_for<'d>(&'d self, motor: &Motor) -> impl Iterator<Item = (&'a Gear, &'d Load)> + use<'a, 'd> {
-        let id = motor.row_id();
+        let id = motor.machine_id();
         let named = self.by_pattern.iter().filter(|(pattern, _)| matches_pattern(pattern, id));
         let mut fitting: Vec<usize> = named.flat_map(|(_, gears)| gears).chain(&self.for_any).copied().collect();
         fitting.sort_unstable();

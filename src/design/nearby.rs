@@ -161,7 +161,7 @@ pub fn nearby<'a>(robot: &Robot, joint: &Joint, catalog: &'a Catalog, design: &D
     // Where a family is asked for, its points are what is near.
     let family = joint.family_map().map_or("", |map| map.family());
     let may_be = |gear: &&'a Gear| {
-        gear.family == family && gear.fits(motor.row_id()) != Some(false) && joint.ratio.allows(gear.ratio)
+        gear.family == family && gear.fits(motor.machine_id()) != Some(false) && joint.ratio.allows(gear.ratio)
     };
     let all: Vec<&'a Gear> = catalog.all_gears().filter(may_be).collect();
     let near: Vec<&'a Gear> = all.iter().copied().filter(|gear| is_near(design, gear.ratio)).collect();

@@ -252,7 +252,8 @@ fn output_side(
     }
     let motor = Motor {
         viscous_friction: own(|m| m.viscous_friction),
-        coulomb_friction: own(|m| m.coulomb_friction),
+        // Without a declared one all friction that the logs show is at the output.
+        coulomb_friction: Some(own(|m| m.coulomb_friction).unwrap_or(0.0)),
         effects: fitted.effects.iter().filter(|e| !friction(e)).cloned().collect(),
         ..fitted.clone()
     };

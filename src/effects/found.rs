@@ -34,6 +34,15 @@ impl FittedEffect {
         self.effect.enters(&self.values)
     }
 
+    /// True if it is friction that opposes motion whatever the load is: a Coulomb part, or a torque evaluated over speed.
+    pub fn is_friction(&self) -> bool {
+        match self.enters() {
+            Enters::Features(form) => form[Feature::Sign] != 0.0,
+            Enters::Evaluated(_) => true,
+            _ => false,
+        }
+    }
+
     /// Derivative of its torque by the speed of the motor \[N·m·s/rad\]; the jump of a sign is left out.
     pub fn speed_slope(&self, at: &Operating) -> f64 {
         match self.enters() {

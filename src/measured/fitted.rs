@@ -77,6 +77,7 @@ impl Builder<'_> {
         sheet.offer = motor.sheet.offer.clone();
         let gear = self.gear(motor);
         let effects = self.effects(true);
+        self.keep_drag(motor, &mut sheet, &effects);
         // A brushed motor's ampere is the q axis' already.
         let brushed = motor.conventions.commutation == Commutation::Brushed;
         let conventions = Conventions {
@@ -90,7 +91,30 @@ impl Builder<'_> {
         };
         let poles = motor.pole_pairs.filter(|_| !brushed);
         let made = Motor::new(self.identity(motor), conventions, sheet, poles).ok()?;
-        Some(Motor { effects, fitted_gear: gear, fit: Some(self.finish()), ..made })
+        let fit = Fit { entry: motor.machine_id().to_string(), ..self.finish() };
+        Some(Motor { effects, fitted_gear: gear, fit: Some(fit), ..made })
+    }
+
+    /// The friction of the catalogue entry, where the logs cannot show any: it stays as the entry says. Where they were asked for Coulomb
+    /// friction and showed none, it is zero.
+    fn keep_drag(&mut self, motor: &Motor, sheet: &mut Sheet, effects: &[FittedEffect]) {
+        if sheet.coulomb_friction.is_some() || effects.iter().any(FittedEffect::is_friction) {
+            return;
+        }
+        let coulomb = "coulomb_friction";
+        if self.fits.asked_for(coulomb) {
+            sheet.coulomb_friction = Some(Printed { value: 0.0, tolerance: None });
+            self.notes.push("the logs show no Coulomb friction".into());
+            return;
+        }
+        let Some(torque) = motor.no_load_torque else { return };
+        // No-load torque of the entry, with the torque constant of this machine.
+        let constant = sheet.torque_constant.or(sheet.back_emf_constant).map_or(motor.torque_constant, |p| p.value);
+        let share = motor.sheet.no_load_current.and_then(|p| p.relative_tolerance());
+        let current = settled(torque / constant, "A");
+        sheet.no_load_current = Some(Printed { value: current, tolerance: share.map(|share| share * current) });
+        sheet.no_load_speed = motor.sheet.no_load_speed;
+        self.notes.push("no-load friction is that of the entry: the logs cannot show it".into());
     }
 
     fn identity(&mut self, motor: &Motor) -> Identity {
@@ -313,6 +337,7 @@ impl Builder<'_> {
         };
         let logs = self.fits.bench.logs.iter();
         Fit {
+            entry: String::new(),
             version: env!("CARGO_PKG_VERSION").to_string(),
             tolerances: std::mem::take(&mut self.tolerances),
             covariance: (0..named.len()).map(|a| (0..named.len()).map(|b| covariance(a, b)).collect()).collect(),

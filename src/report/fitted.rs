@@ -27,6 +27,9 @@ pub fn text(actuator: &Fitted, reports: &[Report]) -> String {
         Fitted::Axis(axis) => (axis.fit.clone(), &axis.effects),
     };
     let _ = writeln!(out, "gearwise = {}", quoted(&fit.version));
+    if !fit.entry.is_empty() {
+        let _ = writeln!(out, "entry = {}", quoted(&fit.entry));
+    }
     match actuator {
         Fitted::Motor(motor) => {
             out.push_str(&motor_table(motor));

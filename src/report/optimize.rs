@@ -21,7 +21,7 @@ use crate::design::program::{Certificate, Optimum};
 use crate::requirement::{Joint, Quantity, RatioChoice};
 
 /// For people: the answer, and as much of the rest as is asked for. `outlooks` are those of the joints, in their order.
-pub fn text(result: &RobotResult, outlooks: &[Outlook], shown: Shown) -> String {
+pub fn text(result: &RobotResult, outlooks: &[Outlook], of_rules: &[String], shown: Shown) -> String {
     let robot = result.robot;
     let motors = result.joints.first().map_or(0, JointResult::motors);
     let modules = robot.modules().next().is_some();
@@ -48,7 +48,7 @@ pub fn text(result: &RobotResult, outlooks: &[Outlook], shown: Shown) -> String 
     if !shown.full {
         out.push('\n');
         out.push_str(&answer::text(result, outlooks));
-        totals(result).iter().for_each(|line| out.push_str(&paragraph(line, 2, 4)));
+        totals(result).iter().chain(of_rules).for_each(|line| out.push_str(&paragraph(line, 2, 4)));
         for (joint, outlook) in with_outlooks() {
             let why = if shown.why { outlook::text(joint, outlook) } else { String::new() };
             let rejected = if shown.rejected || joint.candidates.is_empty() {
@@ -70,6 +70,7 @@ pub fn text(result: &RobotResult, outlooks: &[Outlook], shown: Shown) -> String 
     }
     out.push('\n');
     out.push_str(&summary(result));
+    of_rules.iter().for_each(|line| out.push_str(&paragraph(line, 0, 2)));
     out
 }
 

@@ -46,9 +46,28 @@ pub fn without_tolerances<'j, 'a>(joints: &'j [RobustJoint<'a>]) -> impl Iterato
     joints.iter().filter(|joint| joint.designs.first().is_some_and(|first| first.toleranced.is_empty()))
 }
 
-/// Whether every joint has a design that keeps its limits over tolerances that are known.
+/// True if every joint has a design of which all limits are proven over tolerances that are known.
 pub fn keeps_over_tolerances(joints: &[RobustJoint]) -> bool {
-    joints.iter().all(|joint| !joint.designs.is_empty()) && without_tolerances(joints).next().is_none()
+    let is_proven = |joint: &RobustJoint| joint.designs.first().is_some_and(|first| first.unproven.is_empty());
+    joints.iter().all(is_proven) && without_tolerances(joints).next().is_none()
+}
+
+/// Numbers of designs with tolerances that are proven over them and that are not, in words.
+pub(super) fn counted_at_worst(result: &RobustJoint) -> String {
+    let with = |proven: bool| {
+        result.designs.iter().filter(|d| !d.toleranced.is_empty() && d.unproven.is_empty() == proven).count()
+    };
+    let open = match with(false) {
+        0 => String::new(),
+        count => format!(", {count} not proven"),
+    };
+    format!("of those with tolerances {} also at worst{open}, {} not", with(true), result.lost.len())
+}
+
+/// The limits of a design that are not proven over its tolerances, in a sentence; `None` where all are.
+pub(super) fn unproven_text(design: &RobustDesign) -> Option<String> {
+    let limits = design.unproven.join(", ");
+    (!limits.is_empty()).then(|| format!("NOT proven over the tolerances: {limits}; no tried motor exceeds a limit"))
 }
 
 /// For people.
@@ -73,15 +92,14 @@ pub fn text(robot: &Robot, joints: &[RobustJoint], top: usize, taken: &Taken) ->
 
 fn joint_text(result: &RobustJoint, top: usize) -> String {
     let JointResult { joint, candidates, .. } = &result.nominal;
-    let with = result.designs.iter().filter(|d| !d.toleranced.is_empty()).count();
     let heading = format!(
-        "{} (×{}), {}: {} can do it by the printed numbers{}; of those with tolerances {with} also at worst, {} not",
+        "{} (×{}), {}: {} can do it by the printed numbers{}; {}",
         joint.name,
         joint.count,
         joint.aim(),
         crate::words::counted(candidates.len(), "motor"),
         super::unjudged::counted(result.nominal.unjudged.len()),
-        result.lost.len()
+        counted_at_worst(result)
     );
     let mut out = paragraph(&heading, 0, 2);
     super::family::note(joint).iter().for_each(|note| out.push_str(&paragraph(&format!("{note}."), 2, 4)));
@@ -189,8 +207,10 @@ fn details(design: &RobustDesign, result: &RobustJoint) -> String {
     if let Some(m) = &design.tightest {
         out.push_str(&format!("; tightest margin at worst {} {:.0} %", m.limit, (100.0 * m.margin).max(0.0)));
     }
-    if let Certificate::NotCertified(why) = &design.optimum.certificate {
-        out.push_str(&format!("; not certified: {why}"));
+    match (unproven_text(design), &design.optimum.certificate) {
+        (Some(text), _) => out.push_str(&format!("; {text}")),
+        (None, Certificate::NotCertified(why)) => out.push_str(&format!("; not certified: {why}")),
+        _ => {}
     }
     out
 }

@@ -218,7 +218,7 @@ impl Filter {
 
     /// Whether the joint's family of gears is made for a motor.
     pub fn is_made_for(&self, motor: &Motor) -> bool {
-        self.made_for.is_empty() || self.made_for.iter().any(|pattern| matches_pattern(pattern, motor.row_id()))
+        self.made_for.is_empty() || self.made_for.iter().any(|pattern| matches_pattern(pattern, motor.machine_id()))
     }
 
     /// Whether a module may be chosen.

@@ -31,3 +31,16 @@ pub fn quarter(first: u64, all: u64) -> Range<u64> {
 pub fn cases(first: u64, all: u64) -> Range<u64> {
     first..first + (all as f64 * share()).ceil() as u64
 }
+
+/// The first few items of a list; all of it if all cases are drawn.
+pub fn few<T>(count: usize, all: impl IntoIterator<Item = T>) -> impl Iterator<Item = T> {
+    all.into_iter().take(if are_all() { usize::MAX } else { count })
+}
+
+/// Numbers of the cases of a test whose cases each take long: 4 % of all by default.
+pub fn long_cases(first: u64, all: u64) -> Range<u64> {
+    match std::env::var("GEARWISE_CASES") {
+        Err(_) => first..first + all.div_ceil(25),
+        Ok(_) => cases(first, all),
+    }
+}

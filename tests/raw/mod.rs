@@ -40,7 +40,7 @@ pub struct Look {
     pub quantities: [f64; 7],
     pub objective: f64,
     pub limits: [(&'static str, f64, Option<f64>); LIMITS + 2],
-    /// Of a supply with a resistance: bus voltage that each sample needs and power that it draws.
+    /// Of a supply with a resistance: bus voltage that each sample needs and power that it draws, hot and cold.
     pub bus: Vec<[f64; 2]>,
     /// Currents along d of the samples, and of those with the superposed torque.
     pub direct: [Vec<f64>; 2],
@@ -68,7 +68,9 @@ pub fn shares(raw: &[Point], time: &[f64], course: Course) -> Vec<[f64; 2]> {
 
 impl Case {
     pub fn new(motor: Motor, robot: Robot, raw: Vec<Point>) -> Case {
-        let shares = shares(&raw, &robot.joints[0].motion.time, robot.joints[0].motion.course);
+        let joint = &robot.joints[0];
+        let (time, course) = (&joint.motion.time, joint.motion.course);
+        let shares = shares(&raw, time, course);
         let mut rippled = Vec::new();
         if let Some(TorqueBandwidth { frequency, amplitude }) = robot.joints[0].limits.torque_bandwidth {
             for (p, step) in raw.iter().flat_map(|p| (0..32).map(move |step| (p, step))) {
@@ -120,7 +122,8 @@ impl Case {
     fn drags(&self) -> Vec<[f64; 2]> {
         let motor = &self.motor;
         let declared = motor.coulomb_friction.is_some() || motor.viscous_friction.is_some();
-        let counts = self.robot.joints[0].motor_drag == MotorDrag::Counted && !declared && motor.effects.is_empty();
+        let rubs = motor.effects.iter().any(|effect| effect.is_friction());
+        let counts = self.robot.joints[0].motor_drag == MotorDrag::Counted && !declared && !rubs;
         match (motor.no_load_torque.filter(|_| counts), motor.sheet.no_load_speed) {
             (None, _) => vec![[0.0; 2]],
             (Some(torque), _) if !motor.estimates.is_empty() => vec![[torque, 0.0], [0.0; 2]],
@@ -191,12 +194,17 @@ impl Case {
         let of_drive = joint.drive.or(bus.drive);
         let (lead, standby) = (of_drive.phase_resistance.unwrap_or(0.0), of_drive.standby_power.unwrap_or(0.0));
         let r_hot = r * hottest_factor(motor, asked.winding_temperature) + lead;
+        // Voltage and power returned see it at ambient, too.
+        let ambient = self.robot.ambient - motor.reference_temperature;
+        let r_cold = (r * (1.0 + copper(motor.reference_temperature) * ambient) + lead).min(r_hot);
+        let windings = [r_hot, r_cold];
         let work = |p: &Point| motor.emf_constant() * n * p.velocity * most(p) / k_t;
-        let power = |p: &Point| r_hot * (most(p) / k_t).powi(2) + work(p);
-        let cold_power = |p: &Point| (r + lead) * (most(p) / k_t).powi(2) + work(p);
-        let v_q = |p: &Point| r_hot * most(p) / k_t + l * rate(p) / k_t + motor.emf_constant() * n * p.velocity;
+        let power_of = |p: &Point, r: f64| r * (most(p) / k_t).powi(2) + work(p);
+        let (power, cold_power) = (|p: &Point| power_of(p, r_hot), |p: &Point| power_of(p, r_cold));
+        let v_q = |p: &Point, r: f64| r * most(p) / k_t + l * rate(p) / k_t + motor.emf_constant() * n * p.velocity;
         let v_d = |p: &Point| -f64::from(poles) * n * p.velocity * l * most(p) / k_t;
-        let voltage = |p: &Point| v_q(p).hypot(v_d(p));
+        let worse = |of: &dyn Fn(f64) -> f64| windings.map(of).into_iter().fold(f64::NEG_INFINITY, f64::max);
+        let voltage = |p: &Point| worse(&|r| v_q(p, r).hypot(v_d(p)));
         // A current against the magnets, where it may flow and the voltage asks for it: the least that does, or what comes
         // nearest. All phases of a superposed torque have the largest of them.
         let per_volt = bus.modulation_limit * self.circle();
@@ -204,9 +212,9 @@ impl Case {
         let allowed = of_drive.field_weakening_current.filter(|_| brushless && l > 0.0 && poles > 0 && !sags);
         let allowed = allowed.map(|i| (i * 1.5_f64.sqrt()).min(motor.demagnetization_current.unwrap_or(f64::INFINITY)));
         // Squared voltage with a current along d, from both voltages without it and what couples across.
-        let parts = |p: &Point| [v_q(p), v_d(p), f64::from(poles) * n * p.velocity * l];
-        let turned = |[q, d, across]: [f64; 3], x: f64| (q + across * x).powi(2) + (d + r_hot * x).powi(2);
-        let lowest = |of: [f64; 3], x: f64| {
+        let parts = |p: &Point, r: f64| [v_q(p, r), v_d(p), f64::from(poles) * n * p.velocity * l, r];
+        let turned = |[q, d, across, r]: [f64; 4], x: f64| (q + across * x).powi(2) + (d + r * x).powi(2);
+        let lowest = |of: [f64; 4], x: f64| {
             let (mut a, mut b) = (-x, 0.0);
             for _ in 0..70 {
                 let (c, d) = (a + 0.382 * (b - a), a + 0.618 * (b - a));
@@ -228,19 +236,22 @@ impl Case {
             if let Some(beyond) = burns {
                 // A hair more than that, so that rounding does not break what is met with equality.
                 let heat = (-cold_power(p) - beyond).max(0.0) * (1.0 + 1e-12);
-                return -(heat / (r + lead)).sqrt().min(motor.demagnetization_current.unwrap_or(f64::INFINITY));
+                return -(heat / r_cold).sqrt().min(motor.demagnetization_current.unwrap_or(f64::INFINITY));
             }
-            let of = parts(p);
-            let Some(x) = allowed.filter(|_| turned(of, 0.0) > enough_voltage) else { return 0.0 };
-            let (mut enough, mut less) = (lowest(of, x), 0.0);
-            if turned(of, enough) > enough_voltage {
-                return enough;
-            }
-            for _ in 0..55 {
-                let middle = 0.5 * (enough + less);
-                if turned(of, middle) <= enough_voltage { enough = middle } else { less = middle }
-            }
-            enough
+            let of_winding = |r: f64| {
+                let of = parts(p, r);
+                let Some(x) = allowed.filter(|_| turned(of, 0.0) > enough_voltage) else { return 0.0 };
+                let (mut enough, mut less) = (lowest(of, x), 0.0);
+                if turned(of, enough) > enough_voltage {
+                    return enough;
+                }
+                for _ in 0..55 {
+                    let middle = 0.5 * (enough + less);
+                    if turned(of, middle) <= enough_voltage { enough = middle } else { less = middle }
+                }
+                enough
+            };
+            windings.map(of_winding).into_iter().fold(0.0, f64::min)
         };
         let direct: Vec<f64> = raw.iter().map(against).collect();
         let rippled_direct: Vec<f64> = self
@@ -248,6 +259,8 @@ impl Case {
             .chunks(32)
             .flat_map(|phases| vec![phases.iter().map(against).fold(0.0, f64::min); phases.len()])
             .collect();
+        // The voltage of a motor that burns power is that of its own currents.
+        let own = [direct.clone(), rippled_direct.clone()];
         let [direct, rippled_direct] = shared.cloned().unwrap_or([direct, rippled_direct]);
         let torque = |p: &Point| most(p).abs();
         let largest = |list: &[Point], f: &dyn Fn(&Point) -> f64| list.iter().map(f).fold(f64::NEG_INFINITY, f64::max);
@@ -267,7 +280,7 @@ impl Case {
         let watt = most_power(&|p, k| with_heat(power(p), r_hot, k)) / bus.drive_efficiency;
         // What is kept of what comes back, and what of it reaches the bus.
         let kept = bus.regeneration_efficiency.unwrap_or(bus.drive_efficiency);
-        let back = most_power(&|p, k| -with_heat(cold_power(p), r + lead, k)) * bus.drive_efficiency;
+        let back = most_power(&|p, k| -with_heat(cold_power(p), r_cold, k)) * bus.drive_efficiency;
         let speed = n * largest(raw, &|p| p.velocity.abs());
         let stages = |ratio: f64| (0..300).map(f64::from).find(|k| n <= ratio.powf(k + 1e-12)).unwrap();
         let of_gear = gear.mass_per_stage.map_or(gear.mass.unwrap_or(0.0), |(mass, ratio)| mass * stages(ratio));
@@ -279,30 +292,31 @@ impl Case {
         // is at the drive. A brake takes what comes back without lifting the bus.
         let series = bus.internal_resistance.unwrap_or(0.0) + of_drive.supply_lead_resistance.unwrap_or(0.0);
         let lifted = bus.brake_power.is_none() && bus.regeneration != Regeneration::Dissipated;
-        let from_bus = |p: &Point| match power(p) {
+        let from_bus = |p: &Point, r: f64| match power_of(p, r) {
             taken if taken > 0.0 => taken / bus.drive_efficiency + standby,
             given if lifted => given * kept.min(bus.drive_efficiency) + standby,
             _ => standby,
         };
-        let open = |p: &Point| match voltage(p) / per_volt {
-            needs if needs > bus.voltage / 2.0 => needs + series * from_bus(p) / needs,
-            _ => bus.voltage / 2.0 + series * from_bus(p) / (bus.voltage / 2.0),
+        let open_of = |p: &Point, r: f64| match v_q(p, r).hypot(v_d(p)) / per_volt {
+            needs if needs > bus.voltage / 2.0 => needs + series * from_bus(p, r) / needs,
+            _ => bus.voltage / 2.0 + series * from_bus(p, r) / (bus.voltage / 2.0),
         };
+        let open = |p: &Point| worse(&|r| open_of(p, r));
         let volt = Some(if sags { bus.voltage } else { bus.voltage * per_volt });
         let voltages = |list: &[Point]| match (allowed, sags) {
             (_, true) => largest(list, &open),
-            (Some(x), _) => largest(list, &|p| turned(parts(p), lowest(parts(p), x))).sqrt(),
+            (Some(x), _) => largest(list, &|p| worse(&|r| turned(parts(p, r), lowest(parts(p, r), x)))).sqrt(),
             (None, _) => largest(list, &voltage),
         };
         let with_direct = |list: &[Point], direct: &[f64]| {
-            list.iter().zip(direct).map(|(p, x)| turned(parts(p), *x).sqrt()).fold(f64::NEG_INFINITY, f64::max)
+            let squares = list.iter().zip(direct).map(|(p, x)| worse(&|r| turned(parts(p, r), *x)));
+            squares.fold(f64::NEG_INFINITY, f64::max).sqrt()
         };
-        let own_voltage = if burns.is_some() { with_direct(raw, &direct) } else { voltages(raw) };
-        let ripple_voltage = match allowed.or(burns) {
-            Some(_) => {
-                self.rippled.iter().zip(&rippled_direct).map(|(p, x)| turned(parts(p), *x).sqrt()).fold(0.0, f64::max)
-            }
-            None => voltages(&self.rippled),
+        let own_voltage = if burns.is_some() { with_direct(raw, &own[0]) } else { voltages(raw) };
+        let ripple_voltage = match (allowed, burns) {
+            (Some(_), _) => with_direct(&self.rippled, &rippled_direct).max(0.0),
+            (_, Some(_)) => with_direct(&self.rippled, &own[1]).max(0.0),
+            _ => voltages(&self.rippled),
         };
         let through = bus.current.map(|i| if sags { i.min(bus.voltage / (2.0 * series)) } else { i });
         let hot = motor.thermal_resistance.map(|r_th| (hottest(motor, asked.winding_temperature), r_th));
@@ -414,7 +428,8 @@ impl Case {
         let copper = r * square / (k_t * k_t);
         let quantities = [loss, copper, inertia, most_current / k_t, mass, energy, watt.max(0.0) + standby];
         let objective = joint.objective.terms.iter().map(|(q, weight)| weight * quantities[*q as usize]).sum();
-        let bus = if sags { raw.iter().map(|p| [voltage(p) / per_volt, from_bus(p)]).collect() } else { Vec::new() };
+        let needs = |p: &Point| windings.map(|r| [v_q(p, r).hypot(v_d(p)) / per_volt, from_bus(p, r)]);
+        let bus = if sags { raw.iter().flat_map(needs).collect() } else { Vec::new() };
         Look { quantities, objective, limits, bus, direct: [direct, rippled_direct] }
     }
 
@@ -444,11 +459,17 @@ impl Case {
         })
     }
 
+    /// Share of the time of each sample at standstill.
+    fn stands(&self) -> Vec<f64> {
+        let brushless = self.motor.conventions.commutation == Commutation::Brushless;
+        self.shares.iter().map(|[all, rest]| if brushless && *all > 0.0 { rest / all } else { 0.0 }).collect()
+    }
+
     /// A heat over the course of the motion.
     pub fn heat(&self, watt: impl FnMut(&Point) -> f64) -> Heat {
         let motion = &self.robot.joints[0].motion;
         let period = if let Course::Periodic(period) = motion.course { Some(period) } else { None };
-        Heat { time: motion.time.clone(), watt: self.raw.iter().map(watt).collect(), period }
+        Heat { time: motion.time.clone(), watt: self.raw.iter().map(watt).collect(), still: self.stands(), period }
     }
 
     /// Copper heat at a ratio.
@@ -500,6 +521,11 @@ pub fn hottest_factor(motor: &Motor, asked: Option<f64>) -> f64 {
     1.0 + a * (hottest(motor, asked) - t_0)
 }
 
+/// Copper's resistance at ambient over that at the reference.
+pub fn ambient_factor(motor: &Motor, ambient: f64) -> f64 {
+    1.0 + copper(motor.reference_temperature) * (ambient - motor.reference_temperature)
+}
+
 /// Winding and housing: resistances and time constants, and resistance at ambient over the reference's.
 pub struct Nodes {
     between: f64,
@@ -514,6 +540,8 @@ pub struct Nodes {
 pub struct Heat {
     time: Vec<f64>,
     watt: Vec<f64>,
+    /// How nearly the rotor stands still.
+    still: Vec<f64>,
     period: Option<f64>,
 }
 
@@ -527,7 +555,21 @@ fn apply((m, c): &Affine, x: [f64; 2]) -> [f64; 2] {
 impl Heat {
     /// Start, length and heat at the ends of every interval; the last closes the period.
     fn intervals(&self) -> Vec<(f64, f64, [f64; 2])> {
-        let (t, q, n) = (&self.time, &self.watt, self.time.len());
+        self.intervals_of(&self.watt)
+    }
+
+    /// The same of three times the heat of the phase that is worst off: at standstill twice the mean.
+    fn intervals_of_phase(&self) -> Vec<(f64, f64, [f64; 2])> {
+        let phase: Vec<f64> = self.watt.iter().zip(&self.still).map(|(watt, still)| (1.0 + still) * watt).collect();
+        self.intervals_of(&phase)
+    }
+
+    fn stands(&self) -> bool {
+        self.still.iter().any(|still| *still > 0.0)
+    }
+
+    fn intervals_of(&self, q: &[f64]) -> Vec<(f64, f64, [f64; 2])> {
+        let (t, n) = (&self.time, self.time.len());
         let mut list: Vec<_> = (1..n).map(|k| (t[k - 1], t[k] - t[k - 1], [q[k - 1], q[k]])).collect();
         list.extend(self.period.map(|period| (t[n - 1], t[0] + period - t[n - 1], [q[n - 1], q[0]])));
         list
@@ -603,6 +645,7 @@ impl Nodes {
             starts.push(halves.iter().fold(*starts.last().unwrap(), |x, half| apply(half, x)));
         }
         let mut peak = starts.iter().map(|x| x[0]).fold(f64::NEG_INFINITY, f64::max);
+        let of_phase = if heat.stands() { self.phase_peak(heat, rise) } else { f64::NEG_INFINITY };
         for ((h, [q, then], _), rise) in parts.iter().zip(starts) {
             // The hotter of both nodes is heated by no more than the copper, and that is below the peak.
             let warms = h * q.max(*then) * (self.warm + self.copper * peak) * self.between / self.winding;
@@ -617,14 +660,83 @@ impl Nodes {
                 x
             });
         }
+        let peak = peak.max(of_phase);
         if peak.is_finite() { peak } else { f64::INFINITY }
     }
 
+    /// The largest rise of the hottest phase: its own node between its heat and the housing. As the model declares it, with the parts, halves
+    /// and steps of the winding; by the classic Runge-Kutta rule beside the exact winding and housing.
+    fn phase_peak(&self, heat: &Heat, start: [f64; 2]) -> f64 {
+        // Rises of both nodes and of the phase after a time at constant heats of both.
+        let held = |(x, z): ([f64; 2], f64), watt: f64, of_phase: f64, length: f64| {
+            let (a, b) = self.rates(of_phase);
+            let count = (128.0 * length * a[0][0].abs().max(1.0 / self.winding)).ceil().max(1.0);
+            let h = length / count;
+            let half = self.hold(watt, 0.5 * h);
+            let slope = |x: [f64; 2], z: f64| a[0][0] * z + a[0][1] * x[1] + b[0];
+            (0..count as u32).fold((x, z), |(x, z), _| {
+                let middle = apply(&half, x);
+                let end = apply(&half, middle);
+                let k1 = slope(x, z);
+                let k2 = slope(middle, z + 0.5 * h * k1);
+                let k3 = slope(middle, z + 0.5 * h * k2);
+                let k4 = slope(end, z + h * k3);
+                (end, z + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4))
+            })
+        };
+        let intervals = heat.intervals().into_iter().zip(heat.intervals_of_phase());
+        let parts: Vec<(f64, [f64; 2], [f64; 2])> = intervals
+            .flat_map(|((_, length, ends), (_, _, of_phase))| {
+                let both = self.parts(length, ends).zip(self.parts(length, of_phase));
+                both.map(|((h, ends), (_, of_phase))| (h, ends, of_phase)).collect::<Vec<_>>()
+            })
+            .collect();
+        let part = |state, (h, ends, of_phase): &(f64, [f64; 2], [f64; 2])| {
+            let at = |[q, then]: [f64; 2], side: f64| 0.5 * (q + then) + side * (then - q) / 3.0;
+            if *h <= self.winding / 1024.0 {
+                return held(state, at(*ends, 0.0), at(*of_phase, 0.0), *h);
+            }
+            [-1.0, 1.0]
+                .into_iter()
+                .fold(state, |state, side| held(state, at(*ends, side), at(*of_phase, side), 0.5 * h))
+        };
+        let over = |z: f64| parts.iter().fold((start, z), part).1;
+        let mut z = 0.0;
+        if heat.period.is_some() {
+            let (from_nothing, from_one) = (over(0.0), over(1.0));
+            let decay = from_one - from_nothing;
+            if decay >= 1.0 {
+                return f64::INFINITY;
+            }
+            z = from_nothing / (1.0 - decay);
+        }
+        let mut state = (start, z);
+        let mut peak = z;
+        for now in &parts {
+            let (h, [q, then], [phase, next]) = *now;
+            let count = (4096.0 * h / self.winding).ceil().clamp(4.0, 256.0);
+            let larger = |q: f64, then: f64, k: u32| {
+                let at = |k: u32| q + (then - q) * f64::from(k) / count;
+                at(k).max(at(k + 1))
+            };
+            if q != then || phase != next {
+                (0..count as u32).fold(state, |state, k| {
+                    let state = held(state, larger(q, then, k), larger(phase, next, k), h / count);
+                    peak = peak.max(state.1);
+                    state
+                });
+            }
+            state = part(state, now);
+            peak = peak.max(state.1);
+        }
+        peak
+    }
+
     /// What the bound from above may give away \[K\], at a rise: within a part of length h, whose heat changes by Δq, each
-    /// of n steps has `Δq/(2 n)` too much, `h Δq/(2 n C_w)` in all.
+    /// of n steps has `Δq/(2 n)` too much, `h Δq/(2 n C_w)` in all; also of the hottest phase, whose heat and whose mean heat are too large.
     pub fn given_away(&self, heat: &Heat, rise: f64) -> f64 {
         let mut most = 0.0_f64;
-        for (_, length, ends) in heat.intervals() {
+        for (_, length, ends) in heat.intervals().into_iter().chain(heat.intervals_of_phase()) {
             for (h, [q, then]) in self.parts(length, ends) {
                 let count = (4096.0 * h / self.winding).ceil().clamp(4.0, 256.0);
                 most = most.max(h / self.winding * (then - q).abs() / (2.0 * count));
@@ -636,26 +748,31 @@ impl Nodes {
     /// The largest rise by the classic Runge-Kutta rule for heat that is linear between samples: no parts, and
     /// the periodic state by repeating until it repeats.
     pub fn integrated_peak(&self, heat: &Heat, steps: f64) -> f64 {
-        let (mut start, mut peak) = ([0.0_f64; 2], f64::INFINITY);
+        let (mut start, mut peak) = ([0.0_f64; 3], f64::INFINITY);
+        let both: Vec<_> = heat.intervals().into_iter().zip(heat.intervals_of_phase()).collect();
         for _ in 0..if heat.period.is_some() { 100_000 } else { 1 } {
             let mut x = start;
             peak = x[0];
-            for (_, length, [q, then]) in heat.intervals() {
+            for ((_, length, [q, then]), (_, _, [phase, next])) in both.iter().copied() {
                 let count = (steps * length / self.winding).ceil().max(1.0);
                 let h = length / count;
-                let slope = |t: f64, x: [f64; 2]| apply(&self.rates(q + (then - q) * t / length), x);
+                // Winding, housing, and the hottest phase as a winding of its own between its heat and that housing.
+                let slope = |t: f64, x: [f64; 3]| {
+                    let [w, h] = apply(&self.rates(q + (then - q) * t / length), [x[0], x[1]]);
+                    [w, h, apply(&self.rates(phase + (next - phase) * t / length), [x[2], x[1]])[0]]
+                };
                 for step in 0..count as u32 {
                     let t = f64::from(step) * h;
-                    let moved = |k: [f64; 2], by: f64| [x[0] + by * k[0], x[1] + by * k[1]];
+                    let moved = |k: [f64; 3], by: f64| [0, 1, 2].map(|i| x[i] + by * k[i]);
                     let k1 = slope(t, x);
                     let k2 = slope(t + 0.5 * h, moved(k1, 0.5 * h));
                     let k3 = slope(t + 0.5 * h, moved(k2, 0.5 * h));
                     let k4 = slope(t + h, moved(k3, h));
-                    x = [0, 1].map(|i| x[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
-                    peak = peak.max(x[0]);
+                    x = [0, 1, 2].map(|i| x[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
+                    peak = peak.max(x[0]).max(x[2]);
                 }
             }
-            let moved = (x[0] - start[0]).abs().max((x[1] - start[1]).abs());
+            let moved = (0..3).map(|i| (x[i] - start[i]).abs()).fold(0.0, f64::max);
             if heat.period.is_none() || moved < 1e-9 || x[0] > 1e6 {
                 break;
             }
@@ -877,5 +994,6 @@ pub fn draw(index: u64, convex: bool) -> Case {
         vec![(loss, 1.0), (q, at.quantities[1] / at.quantities[q as usize].abs().max(1e-3 * at.quantities[1]) / high)]
     };
     joint.objective.terms = with_loss.into_iter().find(|x| x.0).map_or(vec![(alone, 1.0)], |x| both(x.1));
-    case
+    // How nearly the rotor stands depends on all of it.
+    Case::new(case.motor, case.robot, case.raw)
 }

@@ -2,8 +2,9 @@
 
 use super::limit::{Asked, Check, Demand};
 use crate::actuator::Load;
-use crate::actuator::candidate::{Candidate, End};
+use crate::actuator::candidate::Candidate;
 use crate::actuator::parts::Whole;
+use crate::actuator::shaft::End;
 use crate::actuator::waveform::{Functional, WavePoint, Waveform};
 use crate::actuator::weakening::AlongD;
 use crate::numerics::laurent::Laurent;
@@ -16,10 +17,19 @@ const ROUNDING: f64 = 1e-9;
 
 /// The samples with the bandwidth torque on top, with their currents along d where a functional has a part of them that the
 /// voltage does not ask for by itself.
-fn bandwidth<'a>(candidate: &Candidate<'a>, functional: Functional) -> Option<&'a Waveform> {
+fn bandwidth<'a>(candidate: &Candidate<'a>, functional: Functional, end: End) -> Option<&'a Waveform> {
     match functional {
         Functional::LeastVoltage(_) => candidate.load.bandwidth.as_ref(),
+        Functional::VoltageSquared => candidate.load.for_voltage(end).rippled(),
         _ => candidate.load.rippled(),
+    }
+}
+
+/// The samples at an end of the motor's drag.
+fn samples<'a>(candidate: &Candidate<'a>, functional: Functional, end: End) -> &'a Waveform {
+    match functional {
+        Functional::VoltageSquared => &candidate.load.for_voltage(end).waveform,
+        _ => &candidate.load.waveform,
     }
 }
 
@@ -53,7 +63,7 @@ impl Asked {
         let other = here.at_other_end().filter(|_| self.end == End::Other);
         let here = other.unwrap_or(*here).of_actuator(self.actuator);
         match self.limit.check(&here) {
-            Check::Asked(asked) => Some((asked, here)),
+            Check::Asked(asked) => Some((Asked { end: self.end, ..asked }, here)),
             _ => None,
         }
     }
@@ -80,8 +90,8 @@ impl Asked {
             Demand::Constant(value) | Demand::AverageTorque(value) => (value, None),
             Demand::Parts(whole) => (whole.known, None),
             Demand::Polynomial(polynomial, sample) => (polynomial.at(ratio), sample),
-            Demand::Samples(functional) => over(&candidate.load.waveform, functional),
-            Demand::Bandwidth(functional) => match bandwidth(candidate, functional) {
+            Demand::Samples(functional) => over(samples(candidate, functional, self.end), functional),
+            Demand::Bandwidth(functional) => match bandwidth(candidate, functional, self.end) {
                 Some(waveform) => over(waveform, functional),
                 None => (0.0, None),
             },
@@ -152,8 +162,8 @@ impl Asked {
             Demand::Polynomial(polynomial, sample) => Some((polynomial, sample)),
             Demand::Samples(functional) | Demand::Bandwidth(functional) => {
                 let waveform = match self.demand {
-                    Demand::Bandwidth(_) => bandwidth(candidate, functional)?,
-                    _ => &candidate.load.waveform,
+                    Demand::Bandwidth(_) => bandwidth(candidate, functional, self.end)?,
+                    _ => samples(candidate, functional, self.end),
                 };
                 let point = waveform.point(waveform.largest(functional, actuator, ratio).index);
                 Some((functional.polynomial(actuator, &point, ratio), Some(point.origin)))
@@ -176,8 +186,8 @@ impl Asked {
     /// Of a limit over samples: its functional, and the point that has the largest of it at a ratio.
     pub(crate) fn point_at(&self, candidate: &Candidate, ratio: f64) -> Option<(Functional, WavePoint)> {
         let (functional, waveform) = match self.demand {
-            Demand::Samples(functional) => (functional, &candidate.load.waveform),
-            Demand::Bandwidth(functional) => (functional, bandwidth(candidate, functional)?),
+            Demand::Samples(functional) => (functional, samples(candidate, functional, self.end)),
+            Demand::Bandwidth(functional) => (functional, bandwidth(candidate, functional, self.end)?),
             _ => return None,
         };
         let largest = waveform.largest(functional, candidate.end(self.end), ratio);

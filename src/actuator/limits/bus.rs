@@ -48,7 +48,7 @@ pub(super) const LIMITS: &[Limit] = &[
     Limit {
         name: "regeneration",
         unit: "W",
-        formula: "max −η_d (R i² + K_B N ω i) ≤ P_regeneration + P_brake, with R at its reference temperature",
+        formula: "max −η_d (R i² + K_B N ω i) ≤ P_regeneration + P_brake, with R at ambient temperature",
         safety: false,
         of: Of::Other,
         class: Class::ReverseConvex,

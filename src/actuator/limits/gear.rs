@@ -28,6 +28,7 @@ pub(super) const LIMITS: &[Limit] = &[
                 let (speed, sample) = c.load.peak_speed;
                 plain(Demand::Polynomial(Laurent::monomial(speed, 1), Some(sample)), 1.0, bound, "gear")
             }
+            None if c.gear_is_published() => Prepared::Unknown("the gear's maximum input speed is not known"),
             None => Prepared::NotAsked,
         },
     },
@@ -144,6 +145,10 @@ pub(super) const LIMITS: &[Limit] = &[
             Some(bound) => {
                 plain(Demand::Polynomial(Laurent::monomial(c.load.running_speed(), 1), None), 1.0, bound, "gear")
             }
+            // Without a maximum input speed either, that is reported once. A row without ratings of a duty cycle prints one limit for both.
+            None if c.gear_is_published() && c.gear.max_input_speed.is_some() && is_rated_for_duty(c) => {
+                Prepared::AtRatio(average_speed)
+            }
             None => Prepared::NotAsked,
         },
     },
@@ -242,6 +247,26 @@ pub(super) const LIMITS: &[Limit] = &[
         },
     },
 ];
+
+/// True if the gear's row has ratings of a duty cycle, as sheets of strain wave gears do.
+fn is_rated_for_duty(candidate: &Candidate) -> bool {
+    let ratings = &candidate.gear.ratings;
+    ratings.average_torque.is_some() || ratings.rated_speed.is_some()
+}
+
+/// Judge the average input speed of a gear without a limit on it: the speed that its rated life is stated at is known to be sustained.
+fn average_speed(candidate: &Candidate, ratio: f64) -> Verdict {
+    if candidate.is_evaluated() {
+        return candidate.at_ratio(ratio, |here| average_speed(here, ratio));
+    }
+    let sustained = candidate.gear.ratings.rated_speed.unwrap_or(0.0);
+    match candidate.load.has_durations && ratio * candidate.load.running_speed() <= sustained {
+        true => Verdict::Kept,
+        false => {
+            Verdict::Unknown("the gear's average input speed limit is not known; its maximum input speed is checked")
+        }
+    }
+}
 
 /// The torque of a shock as it arrives at the gear \[N·m\].
 fn shock(c: &Candidate) -> Option<f64> {

@@ -13,7 +13,7 @@ const NO_HEAT: &str =
 /// A temperature is stated, and nothing leads to it.
 const NO_RESISTANCES: &str = "the motor's thermal resistances are not known";
 
-/// Holding at standstill, as a limit and as what is to be said of it beside.
+/// Holding at standstill.
 pub(super) const STANDSTILL: &str = "standstill_holding";
 
 /// Limits, in the order in which they are reported.
@@ -41,7 +41,7 @@ pub(super) const LIMITS: &[Limit] = &[
     Limit {
         name: "winding_peak_temperature",
         unit: "K",
-        formula: "max T_winding − T_ambient ≤ T_max − T_ambient over the motion: two nodes, hot copper, periodic state or from cold",
+        formula: "max T − T_ambient ≤ T_max − T_ambient over the motion, of the hottest phase: two nodes, at standstill one for a phase with two thirds of the heat, hot copper, periodic state or from cold",
         safety: false,
         of: Of::Other,
         class: Class::Convex,
@@ -85,25 +85,19 @@ pub(super) const LIMITS: &[Limit] = &[
     },
 ];
 
-/// By how much the phase that carries two thirds of the heat at standstill can be hotter than the mean of the three
-/// \[K\], where the winding stays below `hottest` \[K\]: from above; of operating points as if all the time at standstill
-/// were one.
+/// Rise of the phase that carries two thirds of the heat at standstill over the mean of the three \[K\], of operating points in any order, where
+/// the winding stays below `hottest` \[K\]: from above, as if all the time at standstill were one hold.
 ///
-/// Its own way to the housing has three times the winding's resistance and a third of its capacity, and twice the
-/// mean phase's heat: what it has more is a first order with the winding's resistance and time constant.
+/// Its own way to the housing has three times the winding's resistance and a third of its capacity, and twice the mean phase's heat: it
+/// adds a first-order lag with the winding's resistance and time constant.
 fn rise_at_standstill(candidate: &Candidate, node: &TwoNode, hottest: f64, ratio: f64) -> f64 {
-    if candidate.standing_share() == 0.0 || candidate.load.dwell == 0.0 {
+    if !node.phases || candidate.load.dwell == 0.0 {
         return 0.0;
     }
-    let heat = match candidate.load.standing_course(&candidate.actuator, ratio) {
-        Some((course, repeats)) => stretch::lagged(&course, node.time_constant_winding, repeats),
-        None => {
-            let (heat, stands, cycle) = candidate.load.standing(&candidate.actuator, ratio);
-            let answer = |time: f64| -(-time / node.time_constant_winding).exp_m1();
-            heat * if stands == 0.0 { 0.0 } else { answer(stands) / answer(cycle) }
-        }
-    };
-    heat * thermal::resistance_factor(hottest, node.reference) * node.resistance_winding_housing
+    let (heat, stands, cycle) = candidate.load.standing(&candidate.actuator, ratio);
+    let answer = |time: f64| -(-time / node.time_constant_winding).exp_m1();
+    let share = if stands == 0.0 { 0.0 } else { answer(stands) / answer(cycle) };
+    heat * share * thermal::resistance_factor(hottest, node.reference) * node.resistance_winding_housing
 }
 
 /// A stretch above the steady limit shorter than this \[s\] is averaged by the winding: the least thermal time constant
@@ -215,26 +209,6 @@ pub(super) fn above(
         // As if all of the thermal resistance were the winding's, with its time constant or the least of any: from above.
         () if stretch::lags_within(course, mean, least, repeats, limit) => Above::Bounded,
         () => Above::Open,
-    }
-}
-
-/// Heat at standstill of a motor whose winding is followed over the motion: what is followed is the mean of the three
-/// phases, and one of them carries two thirds of the heat.
-pub(super) fn heat_at_standstill(candidate: &Candidate, ratio: f64) -> Verdict {
-    if candidate.is_evaluated() {
-        return candidate.at_ratio(ratio, |here| heat_at_standstill(here, ratio));
-    }
-    let load = candidate.load;
-    let (Some(node), (hottest, _), true) = (candidate.two_node(), candidate.winding_temperature(), load.has_course())
-    else {
-        return Verdict::Kept;
-    };
-    let more = rise_at_standstill(candidate, &node, hottest, ratio);
-    match more == 0.0 || load.winding_peak(&candidate.actuator, &node, ratio).0 + more <= hottest - node.ambient {
-        true => Verdict::Kept,
-        false => Verdict::Unknown(
-            "at standstill one phase carries two thirds of the heat and may be hotter than the mean of the three, which is followed over the motion",
-        ),
     }
 }
 

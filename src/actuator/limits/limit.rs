@@ -1,7 +1,8 @@
 //! What a limit is: what is demanded, what may be had, and what kind of set of ratios that leaves.
 
-use crate::actuator::candidate::{Candidate, End};
+use crate::actuator::candidate::Candidate;
 use crate::actuator::parts::Whole;
+use crate::actuator::shaft::End;
 use crate::actuator::thermal_motion::TwoNode;
 use crate::actuator::waveform::Functional;
 use crate::numerics::laurent::Laurent;

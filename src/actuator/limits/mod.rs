@@ -27,7 +27,7 @@ pub use motor::DRIVE_CONTINUOUS_CURRENT;
 pub use needs::{ELECTRICAL, NEEDS, Need};
 pub use remarks::LOW_SAFETY;
 
-use crate::actuator::candidate::End;
+use crate::actuator::shaft::End;
 use crate::requirement::{Joint, Robot};
 use limit::Prepared;
 

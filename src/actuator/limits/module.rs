@@ -6,6 +6,7 @@ use super::heat::{Above, LEAST_TIME_CONSTANT, SHORT_STRETCH, above};
 use super::limit::*;
 use crate::actuator::candidate::Candidate;
 use crate::actuator::shaft::Feature;
+use crate::actuator::stretch;
 use crate::catalog::module::overload::Piece;
 use crate::catalog::module::{BUILT_IN, Inside, Module, on_curve};
 use crate::requirement::Spring;
@@ -48,7 +49,7 @@ pub(super) const LIMITS: &[Limit] = &[
                 Some(_) if !c.load.has_durations => Prepared::Unknown(NO_DURATIONS),
                 // Then the mean says nothing; what is known of heat over the motion does.
                 Some(_) if c.load.starts_cold() => Prepared::NotAsked,
-                Some(rated) => plain(Demand::Fixed(rms(c, inside), None), 1.0, rated.value, "module"),
+                Some(rated) => plain(Demand::Fixed(rms(c, inside), None), 1.0, rated.value * c.derating(), "module"),
                 None => Prepared::NotAsked,
             }
         },
@@ -56,7 +57,7 @@ pub(super) const LIMITS: &[Limit] = &[
     Limit {
         name: "overload",
         unit: "1",
-        formula: "max y ≤ 1: the normalised temperature that the module's overload table says, over the motion",
+        formula: "max y ≤ 1 over the motion, with y the normalised temperature by the module's overload tables, turning and at standstill; above 40 °C ambient the share of the rise that is left",
         safety: false,
         of: Of::Other,
         class: Class::Fixed,
@@ -66,7 +67,8 @@ pub(super) const LIMITS: &[Limit] = &[
         prepare: |c| {
             let found = inside(c).filter(|_| c.joint.limits.winding_temperature.is_none() && !has_nodes(c));
             match found.and_then(|inside| overload(c, inside)) {
-                Some(peak) => plain(Demand::Fixed(peak, None), 1.0, 1.0, "module"),
+                // The tables start at the ambient temperature of ratings.
+                Some(peak) => plain(Demand::Fixed(peak, None), 1.0, c.derating().powi(2), "module"),
                 None => Prepared::NotAsked,
             }
         },
@@ -87,6 +89,12 @@ pub(super) const LIMITS: &[Limit] = &[
                 (inside.module.sheet.min_voltage, inside.module.sheet.max_voltage, c.robot.bus.voltage);
             match (low, high) {
                 (Some(low), _) if volt < low.value => plain(Demand::Constant(low.value), 1.0, volt, "module"),
+                // The voltage that its ratings refer to is within the range.
+                (None, Some(high))
+                    if volt <= high.value && inside.module.sheet.voltage.is_none_or(|v| volt < v.value) =>
+                {
+                    Prepared::Unknown("the module's smallest supply voltage is not known")
+                }
                 // Inside the range there is nothing more to have.
                 (_, Some(high)) if volt <= high.value => Prepared::NotAsked,
                 (_, Some(high)) => plain(Demand::Constant(volt), 1.0, high.value, "module"),
@@ -200,7 +208,12 @@ fn overload(candidate: &Candidate, inside: &Inside) -> Option<f64> {
     let response = inside.response.as_ref()?;
     let inertia = inertia(candidate, inside);
     let (course, repeats) = candidate.load.flange_course(inertia)?;
-    let pieces: Vec<Piece> = course.iter().map(|piece| (piece.duration, piece.from, piece.to)).collect();
+    let piece = |[turning, standing]: &[stretch::Piece; 2]| Piece {
+        lasts: turning.duration,
+        turning: [turning.from, turning.to],
+        standing: [standing.from, standing.to],
+    };
+    let pieces: Vec<Piece> = course.iter().map(piece).collect();
     // Times of tables are rounded by more than this: a point of its own is kept.
     Some(response.peak(&pieces, repeats) / (1.0 + OF_TABLE))
 }
@@ -211,10 +224,19 @@ fn torque_speed(candidate: &Candidate, inside: &Inside) -> Prepared {
     let (mut worst, mut sample, mut undecided) = (0.0_f64, None, None);
     for (torque, speed, k) in flange(candidate, inside) {
         let asked = safety * torque.abs();
+        match beyond_no_load(&inside.module, speed.abs(), torque * speed < 0.0, volt) {
+            Beyond::Within => {}
+            Beyond::Maybe => undecided = Some(MORE_VOLTAGE),
+            Beyond::By(share) => {
+                if share > worst {
+                    (worst, sample) = (share, Some(k));
+                }
+                continue;
+            }
+        }
         match most_torque(&inside.module, speed.abs(), torque * speed >= 0.0, volt) {
             Most::Known(most) => {
-                let share =
-                    if asked == 0.0 { if most < 0.0 { f64::INFINITY } else { 0.0 } } else { asked / most.max(0.0) };
+                let share = if asked == 0.0 { 0.0 } else { asked / most.max(0.0) };
                 if share > worst {
                     (worst, sample) = (share, Some(k));
                 }
@@ -256,6 +278,10 @@ pub fn allows_spring(candidate: &Candidate, spring: &Spring) -> bool {
     for j in 0..motion.len() {
         let [q, per] = pull.torque(j);
         let (load, speed) = (motion.torque[j] + inertia * motion.acceleration[j], motion.velocity[j]);
+        let beyond = [false, true].map(|braking| beyond_no_load(&inside.module, speed.abs(), braking, volt));
+        if beyond.iter().all(|beyond| matches!(beyond, Beyond::By(_))) {
+            return false;
+        }
         for sign in [1.0, -1.0] {
             let most = most(speed.abs(), sign * speed >= 0.0);
             let over = |[k, s]: [f64; 2]| sign * (load + k * q - s * per) - most - 1e-9 * (most + load.abs());
@@ -280,6 +306,30 @@ fn clipped(polygon: &[[f64; 2]], over: impl Fn([f64; 2]) -> f64) -> Vec<[f64; 2]
         }
     }
     left
+}
+
+/// Position of a speed against the no-load speed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Beyond {
+    Within,
+    /// More voltage than that of the row may reach it.
+    Maybe,
+    /// Ratio of the speed to the no-load speed.
+    By(f64),
+}
+
+/// Compare a speed \[rad/s\] with the no-load speed at a bus voltage. Beyond that speed the back-EMF exceeds the bus: neither zero nor a small
+/// braking torque can be controlled, unless a braking curve covers the speed.
+fn beyond_no_load(module: &Module, speed: f64, braking: bool, volt: f64) -> Beyond {
+    let Some(most) = module.no_load_speed_at(volt) else { return Beyond::Within };
+    let more = module.sheet.voltage.map_or(1.0, |printed| (volt / printed.value).max(1.0));
+    let covered = braking && module.braking_curve.last().is_some_and(|[last, _]| speed <= *last);
+    let share = speed / most.max(f64::MIN_POSITIVE);
+    match () {
+        () if covered || share <= 1.0 + OF_TABLE => Beyond::Within,
+        () if share <= more => Beyond::Maybe,
+        () => Beyond::By(share),
+    }
 }
 
 /// What is known of the torque that a module gives at a speed \[N·m\].
@@ -368,10 +418,12 @@ pub(super) fn is_judged_by_rating(candidate: &Candidate) -> bool {
 /// thermal time constants.
 pub(super) fn heat_by_rating(candidate: &Candidate, _: f64) -> Verdict {
     let Some(inside) = inside(candidate) else { return Verdict::Kept };
-    let rated = inside.module.sheet.rated_torque.map_or(f64::INFINITY, |p| p.value);
+    let rated = inside.module.sheet.rated_torque.map_or(f64::INFINITY, |p| p.value) * candidate.derating();
     let Some((course, repeats)) = candidate.load.flange_course(inertia(candidate, inside)) else {
         return Verdict::Kept;
     };
+    let both = |[a, b]: &[stretch::Piece; 2]| stretch::Piece { from: a.from + b.from, to: a.to + b.to, ..*a };
+    let course: Vec<stretch::Piece> = course.iter().map(both).collect();
     let largest = course.iter().map(|piece| piece.from.max(piece.to)).fold(0.0, f64::max);
     match above(&course, repeats, (largest, rated * rated), (SHORT_STRETCH, LEAST_TIME_CONSTANT)) {
         Above::Never => Verdict::Kept,

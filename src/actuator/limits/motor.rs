@@ -27,14 +27,15 @@ pub(super) const LIMITS: &[Limit] = &[
     Limit {
         name: "peak_torque",
         unit: "N*m",
-        formula: "safety · max |T| ≤ T_peak",
+        formula: "safety · max |T| ≤ T_peak, and no more than the saturated iron gives at any current",
         safety: true,
         of: Of::Other,
         class: Class::Convex,
         depends: Depends::Torque,
         stated: by_data_sheets,
         key: by_nobody,
-        prepare: |c| match c.motor.peak_torque {
+        prepare: |c| match c.motor.peak_torque.into_iter().chain(c.actuator.shortfall.largest_torque()).reduce(f64::min)
+        {
             Some(bound) => {
                 let safety = c.joint.limits.safety;
                 let bound = c.actuator.shortfall.left_of_torque(bound, safety);

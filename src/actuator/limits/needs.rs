@@ -1,8 +1,9 @@
 //! What is needed beside the limits.
 
-use super::heat::{STANDSTILL, has_heat_of_drag, heat_at_standstill, heat_of_drag};
+use super::heat::{has_heat_of_drag, heat_of_drag};
 use super::limit::*;
 use crate::actuator::candidate::Candidate;
+use crate::actuator::waveform::Functional;
 use crate::actuator::weakening::{AlongD, Weakening};
 use crate::catalog::Motor;
 use crate::catalog::convention::Commutation;
@@ -78,6 +79,42 @@ fn magnets(candidate: &Candidate, ratio: f64) -> Verdict {
 /// Whether there is a current along d of which it is not known whether the magnets bear it.
 fn may_harm_magnets(c: &Candidate) -> bool {
     c.along_d().is_some() && c.motor.demagnetization_current.is_none()
+}
+
+/// True if the row prints a peak torque, but neither the current there nor how far the torque is from K_T times the current.
+fn lacks_saturation(motor: &Motor) -> bool {
+    let measured = motor.fit.is_some() || !motor.effects.is_empty() || motor.inside.is_some();
+    let sheet = &motor.sheet;
+    sheet.peak_torque.is_some() && sheet.peak_current.is_none() && sheet.peak_torque_linearity.is_none() && !measured
+}
+
+/// Linearity T/(K_T i) at which makers print a peak torque: 20 % non-linearity.
+const LEAST_LINEARITY: f64 = 0.8;
+
+/// The x of tanh(x)/x = [`LEAST_LINEARITY`].
+const LEAST_LINEARITY_AT: f64 = 0.888_014_7;
+
+/// Relative excess of the current from which it is reported.
+const EXCESS_WORTH_A_WORD: f64 = 0.02;
+
+/// Verdict on the current at the largest torque if the iron saturates as T = K_T i_s tanh(i/i_s), with 80 % linearity at the printed peak torque.
+fn saturated_current(candidate: &Candidate, ratio: f64) -> Verdict {
+    let Some(peak) = candidate.motor.peak_torque else { return Verdict::Kept };
+    let largest = candidate.at_ratio(ratio, |here| {
+        here.load.waveform.largest(Functional::TorqueSquared, &here.actuator, ratio).value.max(0.0).sqrt()
+    });
+    let share = LEAST_LINEARITY * LEAST_LINEARITY_AT * (largest / peak).min(1.0);
+    let excess = if share > 0.0 { share.atanh() / share } else { 1.0 };
+    let linear = candidate.joint.limits.safety * largest / candidate.motor.torque_constant;
+    match candidate.peak_current() {
+        _ if excess < 1.0 + EXCESS_WORTH_A_WORD => Verdict::Kept,
+        Some((bound, _)) if linear <= bound && linear * excess > bound => Verdict::Unknown(
+            "the row prints its peak torque without the current there: at 20 % non-linearity the current is up to 25 % higher, more than the drive's peak current",
+        ),
+        _ => Verdict::Assumed(
+            "the row prints its peak torque without the current there: current is computed as T/K_T; at 20 % non-linearity it is up to 25 % higher near that torque, and copper loss up to 56 %",
+        ),
+    }
 }
 
 fn no_mass(candidate: &Candidate) -> Option<&'static str> {
@@ -221,6 +258,14 @@ pub const NEEDS: &[Need] = &[
         at_ratio: |c| may_harm_magnets(c).then_some(magnets as Judge),
     },
     Need {
+        name: "torque_linearity",
+        of: Of::Other,
+        stated: by_data_sheets,
+        key: by_nobody,
+        missing: |_| None,
+        at_ratio: |c| lacks_saturation(c.motor).then_some(saturated_current as Judge),
+    },
+    Need {
         name: "torque_bandwidth_voltage",
         of: Of::Other,
         stated: |_, joint| joint.limits.torque_bandwidth.is_some(),
@@ -250,14 +295,6 @@ pub const NEEDS: &[Need] = &[
             unknown.then_some("the gear's inertia is not known: it is left out")
         },
         at_ratio: |_| None,
-    },
-    Need {
-        name: STANDSTILL,
-        of: Of::QAxis,
-        stated: always,
-        key: by_temperature,
-        missing: |_| None,
-        at_ratio: |c| (c.load.dwell > 0.0 && c.two_node().is_some()).then_some(heat_at_standstill as Judge),
     },
     Need {
         name: "drag_heat",

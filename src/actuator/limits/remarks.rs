@@ -110,7 +110,14 @@ impl Candidate<'_> {
         if self.motor.saturation_current().is_some() {
             assumed.push((
                 "peak_torque",
-                "the row's peak torque is the motor's own and less than K_T times its peak current: the iron is taken to saturate as T = K_T i_s tanh(i/i_s), through that one point",
+                match self.motor.sheet.peak_torque_linearity {
+                    Some(_) => {
+                        "the iron saturates as T = K_T i_s tanh(i/i_s), through the peak torque at the linearity that the sheet prints; voltage and bus power are computed with T/K_T, which is less near that torque"
+                    }
+                    None => {
+                        "the row's peak torque is less than K_T times the current there: the iron is taken to saturate as T = K_T i_s tanh(i/i_s), through that one point; voltage and bus power are computed with T/K_T, which is less near that torque"
+                    }
+                },
             ));
         }
         if self.is_rated() {

@@ -1,6 +1,7 @@
 //! How fast a motor may turn: what the voltage allows, and what its row does.
 
 use super::limit::*;
+use crate::actuator::candidate::Candidate;
 use crate::numerics::laurent::Laurent;
 use crate::requirement::Turns;
 
@@ -56,7 +57,21 @@ pub(super) const LIMITS: &[Limit] = &[
                 let (speed, sample) = c.load.peak_speed;
                 plain(Demand::Polynomial(Laurent::monomial(speed, 1), Some(sample)), 1.0, bound, "motor")
             }
+            None if exceeds_no_load_speed(c) => Prepared::Unknown(
+                "the motor's maximum speed is not known, and it may turn faster than its printed no-load speed",
+            ),
             None => Prepared::NotAsked,
         },
     },
 ];
+
+/// True if the motor may turn faster than the no-load speed that its row prints: at the largest ratio that is open, and no faster than the
+/// bus voltage drives it. Up to that speed its maker runs it.
+fn exceeds_no_load_speed(candidate: &Candidate) -> bool {
+    let sheet = &candidate.motor.sheet;
+    let Some((known, volt)) = sheet.no_load_speed.zip(sheet.voltage) else { return false };
+    let own = candidate.catalog_gear.map(|gear| gear.ratio);
+    let most = own.or_else(|| candidate.joint.ratio.range().map(|(_, most)| most)).unwrap_or(f64::INFINITY);
+    let asked = most * candidate.load.peak_speed.0;
+    asked > known.value && candidate.robot.bus.voltage > volt.value
+}

@@ -30,6 +30,8 @@ pub struct Heat<'a> {
     pub heat: &'a [f64],
     /// Samples from which on to the next the temperature only finds its way and no peak counts; empty for none.
     pub settling: &'a [bool],
+    /// Three times the heat of the hottest phase at the samples \[W\], from q_k to 2 q_k; empty where the phases share the heat alike.
+    pub phase: &'a [f64],
 }
 
 impl Heat<'_> {
@@ -61,7 +63,7 @@ pub(super) struct Part {
 impl<'a> Heat<'a> {
     /// The parts of constant heat, in the order of time.
     pub(super) fn parts(self, course: Course, time_constant: f64) -> impl Iterator<Item = Part> + 'a {
-        let Heat { times, period_or_duration, heat, settling: _ } = self;
+        let Heat { times, period_or_duration, heat, .. } = self;
         assert!(!times.is_empty() && times.len() == heat.len(), "one value of heat for each of at least one sample");
         debug_assert!(heat.iter().all(|q| *q >= 0.0), "copper heat is not negative");
         debug_assert!(times.is_sorted(), "times increase");
@@ -105,6 +107,11 @@ impl<'a> Heat<'a> {
     /// Heat between two samples \[W\].
     pub(super) fn between(&self, part: &Part, share: f64) -> f64 {
         (1.0 - share) * self.heat[part.sample] + share * self.heat[part.next]
+    }
+
+    /// Heat of the hottest phase between two samples, times three \[W\].
+    pub(super) fn phase_between(&self, part: &Part, share: f64) -> f64 {
+        (1.0 - share) * self.phase[part.sample] + share * self.phase[part.next]
     }
 
     /// The steps within a part that starts at `part`: shares of the next sample at both ends, and the share at

@@ -40,6 +40,7 @@
 
 mod heat;
 mod peak;
+mod phase;
 mod step;
 #[cfg(test)]
 mod tests;
@@ -67,18 +68,22 @@ pub struct TwoNode {
     pub ambient: f64,
     /// Temperature of the resistance in `q = R_0 i²` \[K\], T_0.
     pub reference: f64,
+    /// True for a brushless winding, of which one phase is hotter than the others at standstill.
+    pub phases: bool,
 }
 
 /// Temperatures over a motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Temperature {
-    /// Largest winding temperature \[K\], at samples and between them, where it is a bound from above. Infinite where
-    /// a motion from cold leaves all numbers.
+    /// Largest temperature of the winding or of its hottest phase \[K\]; that of the winding at samples and between them, where it is a bound
+    /// from above. Infinite where a motion from cold leaves all numbers.
     pub peak: f64,
     /// The sample at which, or in the interval after which, it is reached.
     pub peak_sample: usize,
-    /// Winding temperature at each sample \[K\].
+    /// Winding temperature at each sample, the mean of the phases \[K\].
     pub winding: Vec<f64>,
+    /// Temperature of the hottest phase at each sample \[K\]; empty where the phases share the heat alike.
+    pub phase: Vec<f64>,
     /// Housing temperature at each sample \[K\].
     pub housing: Vec<f64>,
 }
@@ -121,8 +126,9 @@ impl TwoNode {
     ///     time_constant_housing: 600.0,
     ///     ambient: 298.15,
     ///     reference: 295.15,
+    ///     phases: true,
     /// };
-    /// let heat = Heat { times: &[0.0, 0.5], period_or_duration: 1.0, heat: &[0.0, 100.0], settling: &[] };
+    /// let heat = Heat { times: &[0.0, 0.5], period_or_duration: 1.0, heat: &[0.0, 100.0], settling: &[], phase: &[] };
     /// let Outcome::Settles(temperature) = motor.periodic_state(&heat) else { panic!() };
     /// // Mean heat 50 W over 0.926 K/W: 46.3 K at constant resistance.
     /// assert!(temperature.peak - 298.15 > 46.3 && temperature.peak - 298.15 < 60.0);
@@ -140,7 +146,7 @@ impl TwoNode {
             Some(inverse) => {
                 let (start, mut steps) = (times(&inverse, period.gain), steps.into_iter());
                 let next = |_: &Part| steps.next().expect("the parts do not change");
-                Outcome::Settles(self.march(heat, Course::Periodic, start, next))
+                self.march(heat, Course::Periodic, start, next).map_or(Outcome::Runaway, Outcome::Settles)
             }
             None => Outcome::Runaway,
         }
@@ -152,7 +158,8 @@ impl TwoNode {
     /// Without a sample, or with unequal numbers of times and of heats.
     pub fn from_cold(&self, heat: &Heat) -> Temperature {
         let rates = self.rates(copper(self.reference));
-        self.march(heat, Course::FromCold, [0.0; 2], |part| rates.step(part.duration, part.heat))
+        let step = |part: &Part| rates.step(part.duration, part.heat);
+        self.march(heat, Course::FromCold, [0.0; 2], step).expect("from cold every phase has a temperature")
     }
 
     /// Rise of the winding over ambient \[K\] at the end of a cycle that repeats for ever, with the winding's resistance
@@ -172,7 +179,14 @@ impl TwoNode {
         cycle.sum_of_powers().map_or(f64::INFINITY, |inverse| times(&inverse, cycle.gain)[0])
     }
 
-    fn march(&self, heat: &Heat, course: Course, start: Rise, mut step: impl FnMut(&Part) -> Step) -> Temperature {
+    /// The temperatures from a start on; `None` where the hottest phase of a motion that repeats runs away.
+    fn march(
+        &self,
+        heat: &Heat,
+        course: Course,
+        start: Rise,
+        mut step: impl FnMut(&Part) -> Step,
+    ) -> Option<Temperature> {
         let kelvin = |rise: f64| if rise.is_finite() { self.ambient + rise } else { f64::INFINITY };
         let mut nodes: Vec<(Part, Rise)> = Vec::with_capacity(heat.times.len());
         let mut rise = start;
@@ -180,17 +194,25 @@ impl TwoNode {
             nodes.push((part, rise));
             rise = step(&part).apply(rise);
         });
-        let peak = self.rates(copper(self.reference)).peak(heat, course, nodes.iter().copied(), rise);
-        let at_samples = || nodes.iter().filter(|(part, _)| part.first);
-        Temperature {
-            peak: kelvin(peak.rise),
-            peak_sample: peak.sample,
-            winding: at_samples().map(|(_, rise)| kelvin(rise[0])).collect(),
-            housing: at_samples().map(|(_, rise)| kelvin(rise[1])).collect(),
-        }
+        let rates = self.rates(copper(self.reference));
+        let peak = rates.peak(heat, course, nodes.iter().copied(), rise);
+        let phase = match heat.phase.is_empty() {
+            true => None,
+            false => Some(rates.phase(heat, course, &nodes)?),
+        };
+        let hottest = phase.as_ref().filter(|phase| phase.peak > peak.rise);
+        let at_samples = || nodes.iter().enumerate().filter(|(_, (part, _))| part.first);
+        Some(Temperature {
+            peak: kelvin(hottest.map_or(peak.rise, |phase| phase.peak)),
+            peak_sample: hottest.map_or(peak.sample, |phase| phase.sample),
+            winding: at_samples().map(|(_, (_, rise))| kelvin(rise[0])).collect(),
+            phase: phase.map_or_else(Vec::new, |phase| at_samples().map(|(k, _)| kelvin(phase.rises[k])).collect()),
+            housing: at_samples().map(|(_, (_, rise))| kelvin(rise[1])).collect(),
+        })
     }
 
-    /// `g_k = ∂T_peak/∂q_k ≥ 0` \[K/W\] for every sample, at the temperatures that
+    /// `g_k = ∂T_peak/∂q_k ≥ 0` \[K/W\] for every sample, by the winding's mean heat and by that of its hottest phase (zero where the phases
+    /// share the heat alike), at the temperatures that
     /// [`periodic_state`](Self::periodic_state) or [`from_cold`](Self::from_cold) gave for this heat
     /// (`peak` finite).
     ///
@@ -205,7 +227,7 @@ impl TwoNode {
     /// # Panics
     /// Where the heat of a motion that repeats runs away, and as
     /// [`periodic_state`](Self::periodic_state).
-    pub fn peak_gradient(&self, heat: &Heat, course: Course, temperature: &Temperature) -> Vec<f64> {
+    pub fn peak_gradient(&self, heat: &Heat, course: Course, temperature: &Temperature) -> [Vec<f64>; 2] {
         let rates = self.rates(copper(self.reference));
         let mut gradient = vec![0.0; heat.times.len()];
         let mut nodes = Vec::with_capacity(heat.times.len());
@@ -216,7 +238,14 @@ impl TwoNode {
             nodes.push(node);
         });
         let places = nodes.iter().map(|node| (node.part, node.before));
-        let Peak { node: hottest, steps, .. } = rates.peak(heat, course, places, rise);
+        let Peak { node: hottest, steps, rise: largest, .. } = rates.peak(heat, course, places.clone(), rise);
+        if !heat.phase.is_empty() {
+            let places: Vec<(Part, Rise)> = places.collect();
+            let phase = rates.phase(heat, course, &places).expect("this heat settles");
+            if phase.peak > largest {
+                return rates.phase_gradient(heat, course, &nodes, &phase);
+            }
+        }
         // The steps within the part in which the peak lies.
         let mut within = Vec::new();
         if let (true, Some(Watt { part, before, .. })) = (steps > 0, nodes.get(hottest))
@@ -255,7 +284,8 @@ impl TwoNode {
             row = [later[0] + row[0], later[1] + row[1]];
         }
         back(row, before, true);
-        gradient
+        let none = vec![0.0; gradient.len()];
+        [gradient, none]
     }
 
     /// A cut of a rise that is far beyond its bound \[K\], from the rise and its gradient \[K/W\]: its value, still beyond the
@@ -288,6 +318,7 @@ impl TwoNode {
     ///     time_constant_housing: 60.0,
     ///     ambient: 298.15,
     ///     reference: 298.15,
+    ///     phases: true,
     /// };
     /// assert!((motor.time_to_reach(398.15, 100.0, 0.0).unwrap() - 6.32).abs() < 0.01);
     /// assert!((motor.time_to_reach(398.15, 100.0, 0.0039).unwrap() - 5.27).abs() < 0.01);

@@ -17,6 +17,7 @@ const MOTOR: TwoNode = TwoNode {
     time_constant_housing: 700.0,
     ambient: 298.15,
     reference: 295.143,
+    phases: true,
 };
 
 /// One node of the hold of WE01.
@@ -27,6 +28,7 @@ const HOLD: TwoNode = TwoNode {
     time_constant_housing: 60.0,
     ambient: 298.15,
     reference: 298.15,
+    phases: true,
 };
 
 fn settled(motor: &TwoNode, heat: &Heat) -> Temperature {
@@ -72,6 +74,7 @@ fn random_motor(rng: &mut Pcg64) -> TwoNode {
         time_constant_housing: log(30.0, 3000.0),
         ambient: 293.15 + 5.0 * log(0.1, 10.0),
         reference: 293.15,
+        phases: true,
     }
 }
 
@@ -114,8 +117,10 @@ fn constant_heat_settles_where_the_steady_state_says() {
             (vec![0.0, 1.0, 1.0], 1.0),
         ] {
             let q = vec![heat; times.len()];
-            let temperature =
-                settled(&MOTOR, &Heat { times: &times, period_or_duration: period, heat: &q, settling: &[] });
+            let temperature = settled(
+                &MOTOR,
+                &Heat { times: &times, period_or_duration: period, heat: &q, settling: &[], phase: &[] },
+            );
             assert_relative_eq!(temperature.peak, expected, max_relative = 1e-9);
             for (winding, housing) in temperature.winding.iter().zip(&temperature.housing) {
                 assert_relative_eq!(*winding, expected, max_relative = 1e-9);
@@ -141,7 +146,8 @@ fn a_step_of_heat_is_answered_by_two_exponentials() {
         let along_fast = (matrix - identity * slow) * start / (fast - slow);
         let times = grid(40, 200.0);
         let q = vec![heat; times.len()];
-        let temperature = MOTOR.from_cold(&Heat { times: &times, period_or_duration: 200.0, heat: &q, settling: &[] });
+        let temperature =
+            MOTOR.from_cold(&Heat { times: &times, period_or_duration: 200.0, heat: &q, settling: &[], phase: &[] });
         for (k, time) in times.iter().enumerate() {
             let expected = steady + along_slow * (slow * time).exp() + along_fast * (fast * time).exp();
             assert_relative_eq!(temperature.winding[k], expected[0], max_relative = 1e-11);
@@ -197,7 +203,7 @@ fn two_nodes_reach_the_limit_at_the_time_given() {
         let time = motor.time_to_reach(limit, heat, copper(motor.reference));
         assert_eq!(time.is_none(), steady.is_some_and(|steady| steady <= limit));
         if let Some(time) = time {
-            let hold = Heat { times: &[0.0], period_or_duration: time, heat: &[heat], settling: &[] };
+            let hold = Heat { times: &[0.0], period_or_duration: time, heat: &[heat], settling: &[], phase: &[] };
             assert_relative_eq!(motor.from_cold(&hold).peak, limit, max_relative = 1e-11);
         }
     }
@@ -218,12 +224,13 @@ fn continuous_currents_of_measured_motors_lead_to_their_limit() {
             resistance_winding_housing: r_wh,
             resistance_housing_ambient: r_ha,
             reference: 273.15 + reference,
+            phases: true,
             ..MOTOR
         };
         // Theirs takes 0.00393 for the coefficient at each motor's own reference: the heat at 125 °C is what it gives.
         let theirs = 1.0 + 0.003_93 * (125.0 - reference);
         let heat = resistance * current * current * theirs / resistance_factor(398.15, motor.reference);
-        let hold = Heat { times: &[0.0], period_or_duration: 1.0, heat: &[heat], settling: &[] };
+        let hold = Heat { times: &[0.0], period_or_duration: 1.0, heat: &[heat], settling: &[], phase: &[] };
         assert_relative_eq!(settled(&motor, &hold).peak, 398.15, epsilon = 0.8);
     }
 }
@@ -267,7 +274,7 @@ fn heat_in_is_heat_out_and_heat_stored() {
         let samples = rng.random_range(1..60);
         let period = [0.5, 20.0, 700.0][round % 3];
         let (times, q) = random_course(&mut rng, samples, period, threshold(&motor));
-        let heat = Heat { times: &times, period_or_duration: period, heat: &q, settling: &[] };
+        let heat = Heat { times: &times, period_or_duration: period, heat: &q, settling: &[], phase: &[] };
         let (heat_in, heat_out, stored) = balance(&motor, &heat, Course::FromCold, [0.0; 2]);
         assert_relative_eq!(heat_in, heat_out + stored, max_relative = 1e-11, epsilon = 1e-11);
         let Outcome::Settles(temperature) = motor.periodic_state(&heat) else { continue };
@@ -284,7 +291,7 @@ fn the_periodic_state_repeats_and_is_where_the_cold_start_ends_up() {
     for _ in 0..50 {
         let motor = random_motor(&mut rng);
         let (times, q) = random_course(&mut rng, 20, 30.0, threshold(&motor));
-        let heat = Heat { times: &times, period_or_duration: 30.0, heat: &q, settling: &[] };
+        let heat = Heat { times: &times, period_or_duration: 30.0, heat: &q, settling: &[], phase: &[] };
         let Outcome::Settles(temperature) = motor.periodic_state(&heat) else { continue };
         let rates = motor.rates(copper(motor.reference));
         let start = [temperature.winding[0] - motor.ambient, temperature.housing[0] - motor.ambient];
@@ -369,6 +376,87 @@ fn maps_are_the_exponential() {
     }
 }
 
+/// Three times the heat of the hottest phase; nothing where no sample stands.
+fn phase_of(heat: &[f64], still: &[f64]) -> Vec<f64> {
+    match still.iter().all(|s| *s == 0.0) {
+        true => Vec::new(),
+        false => heat.iter().zip(still).map(|(q, s)| (1.0 + s) * q).collect(),
+    }
+}
+
+/// Random shares at standstill, in two of three rounds.
+fn random_still(rng: &mut Pcg64, samples: usize, round: usize) -> Vec<f64> {
+    (0..samples).map(|_| if round.is_multiple_of(3) { 0.0 } else { rng.random_range(0.0..1.0_f64).round() }).collect()
+}
+
+/// The whole gradient by the heat of a sample.
+fn whole([mean, phase]: [Vec<f64>; 2], still: &[f64]) -> Vec<f64> {
+    mean.iter().zip(&phase).zip(still).map(|((mean, phase), still)| mean + (1.0 + still) * phase).collect()
+}
+
+#[test]
+fn the_hottest_phase_is_a_node_of_its_own() {
+    // By the classic Runge-Kutta rule over winding, housing and phase, for heat that is linear between samples.
+    let mut rng = Pcg64::seed_from_u64(21);
+    for round in 0..40 {
+        let motor = random_motor(&mut rng);
+        let course = if round % 2 == 0 { Course::Periodic } else { Course::FromCold };
+        let samples = [1, 3, 9][round % 3];
+        let period = motor.time_constant_winding * [0.2, 3.0, 20.0][round % 3];
+        let (times, q) = random_course(&mut rng, samples, period, 0.3 * threshold(&motor));
+        let still: Vec<f64> = (0..samples).map(|k| if round % 4 < 2 { 1.0 } else { (k % 2) as f64 }).collect();
+        let phase = phase_of(&q, &still);
+        let heat = Heat { times: &times, period_or_duration: period, heat: &q, settling: &[], phase: &phase };
+        let found = peak(&motor, &heat, course);
+        let alpha = copper(motor.reference);
+        let capacity = [motor.time_constant_winding, motor.time_constant_housing];
+        let [r_w, r_h] = [motor.resistance_winding_housing, motor.resistance_housing_ambient];
+        let slope = |heat: f64, of_phase: f64, [w, h, p]: [f64; 3]| {
+            let factor = |rise: f64| 1.0 + alpha * (motor.ambient + rise - motor.reference);
+            [
+                (r_w * heat * factor(w) - (w - h)) / capacity[0],
+                (r_h * (w - h) / r_w - h) / capacity[1],
+                (r_w * of_phase * factor(p) - (p - h)) / capacity[0],
+            ]
+        };
+        let (mut start, mut most) = ([0.0; 3], 0.0_f64);
+        for _ in 0..if course == Course::Periodic { 4000 } else { 1 } {
+            let mut x = start;
+            most = f64::max(x[0], x[2]);
+            for k in 0..samples {
+                let last = k + 1 == samples;
+                let until = if last { times[0] + period } else { times[k + 1] };
+                let next = match (last, course) {
+                    (false, _) => k + 1,
+                    (true, Course::Periodic) => 0,
+                    (true, Course::FromCold) => k,
+                };
+                let count = (200.0 * (until - times[k]) / capacity[0]).ceil().max(8.0);
+                let dt = (until - times[k]) / count;
+                for step in 0..count as usize {
+                    let share = |part: f64| (step as f64 + part) / count;
+                    let at = |part: f64| q[k] + (q[next] - q[k]) * share(part);
+                    let of = |k: usize| (1.0 + still[k]) * q[k];
+                    let phase_at = |part: f64| of(k) + (of(next) - of(k)) * share(part);
+                    let moved = |s: [f64; 3], by: f64| [0, 1, 2].map(|i| x[i] + by * dt * s[i]);
+                    let a = slope(at(0.0), phase_at(0.0), x);
+                    let b = slope(at(0.5), phase_at(0.5), moved(a, 0.5));
+                    let c = slope(at(0.5), phase_at(0.5), moved(b, 0.5));
+                    let d = slope(at(1.0), phase_at(1.0), moved(c, 1.0));
+                    x = [0, 1, 2].map(|i| x[i] + dt / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]));
+                    most = most.max(x[0]).max(x[2]);
+                }
+            }
+            if (0..3).all(|i| (x[i] - start[i]).abs() < 1e-9) {
+                break;
+            }
+            start = x;
+        }
+        let rise = found - motor.ambient;
+        assert!(rise >= most * (1.0 - 1e-5) && rise <= most * (1.0 + 2e-4), "{round}: {rise} {most}");
+    }
+}
+
 #[test]
 fn the_gradient_is_the_difference_quotient() {
     let mut rng = Pcg64::seed_from_u64(6);
@@ -380,19 +468,25 @@ fn the_gradient_is_the_difference_quotient() {
         let (times, mut q) = random_course(&mut rng, samples, period, 0.8 * threshold(&motor));
         // Heat at which differences are not hidden by rounding.
         q.iter_mut().for_each(|q| *q += 0.01 * threshold(&motor));
-        let heat = Heat { times: &times, period_or_duration: period, heat: &q, settling: &[] };
+        let still = random_still(&mut rng, samples, round);
+        // A phase at standstill runs away at half of the heat.
+        if still.contains(&1.0) {
+            q.iter_mut().for_each(|q| *q *= 0.4);
+        }
+        let phase = phase_of(&q, &still);
+        let heat = Heat { times: &times, period_or_duration: period, heat: &q, settling: &[], phase: &phase };
         let temperature = match course {
             Course::Periodic => settled(&motor, &heat),
             Course::FromCold => motor.from_cold(&heat),
         };
-        let gradient = motor.peak_gradient(&heat, course, &temperature);
+        let gradient = whole(motor.peak_gradient(&heat, course, &temperature), &still);
         let scale = gradient.iter().copied().fold(0.0, f64::max);
         for k in 0..samples {
             assert!(gradient[k] >= 0.0);
             let moved = |by: f64| {
                 let mut moved = q.clone();
                 moved[k] += by;
-                peak(&motor, &Heat { heat: &moved, ..heat }, course)
+                peak(&motor, &Heat { heat: &moved, phase: &phase_of(&moved, &still), ..heat }, course)
             };
             let step = 1e-5 * threshold(&motor);
             // The peak may move from one step within its part to the next: a convex function's subgradient lies
@@ -409,9 +503,15 @@ fn the_gradient_is_the_difference_quotient() {
 #[test]
 fn a_clamped_housing_with_the_windings_time_constant_has_a_gradient() {
     // Double eigenvalue, no way back from the housing.
-    let heat = Heat { times: &[0.0, 20.0, 50.0], period_or_duration: 90.0, heat: &[0.0, 12.0, 3.0], settling: &[] };
+    let heat = Heat {
+        times: &[0.0, 20.0, 50.0],
+        period_or_duration: 90.0,
+        heat: &[0.0, 12.0, 3.0],
+        settling: &[],
+        phase: &[],
+    };
     let temperature = settled(&HOLD, &heat);
-    let gradient = HOLD.peak_gradient(&heat, Course::Periodic, &temperature);
+    let [gradient, _] = HOLD.peak_gradient(&heat, Course::Periodic, &temperature);
     for k in 0..3 {
         let moved = |by: f64| {
             let mut q = heat.heat.to_vec();
@@ -435,7 +535,10 @@ fn the_peak_is_convex_and_above_its_cuts() {
         let period = motor.time_constant_winding * 10.0_f64.powf(rng.random_range(-2.0..1.5));
         let most = rng.random_range(0.1..4.0) * threshold(&motor);
         let (times, here) = random_course(&mut rng, samples, period, most);
-        let heat = Heat { times: &times, period_or_duration: period, heat: &here, settling: &[] };
+        let still = random_still(&mut rng, samples, round);
+        let of = |heat: &[f64]| phase_of(heat, &still);
+        let phase = of(&here);
+        let heat = Heat { times: &times, period_or_duration: period, heat: &here, settling: &[], phase: &phase };
         let there = random_heat(&mut rng, samples, most);
         let middle: Vec<f64> = here.iter().zip(&there).map(|(a, b)| 0.5 * (a + b)).collect();
         let temperature = match course {
@@ -445,16 +548,18 @@ fn the_peak_is_convex_and_above_its_cuts() {
             },
             Course::FromCold => motor.from_cold(&heat),
         };
-        let gradient = motor.peak_gradient(&heat, course, &temperature);
-        let height = peak(&motor, &Heat { heat: &there, ..heat }, course);
-        let between = peak(&motor, &Heat { heat: &middle, ..heat }, course);
+        let gradient = whole(motor.peak_gradient(&heat, course, &temperature), &still);
+        let height = peak(&motor, &Heat { heat: &there, phase: &of(&there), ..heat }, course);
+        let between = peak(&motor, &Heat { heat: &middle, phase: &of(&middle), ..heat }, course);
         assert!(between <= 0.5 * (temperature.peak + height) * (1.0 + 1e-12));
         let cut: f64 = gradient.iter().zip(&here).zip(&there).map(|((g, a), b)| g * (b - a)).sum();
         let size: f64 = gradient.iter().zip(&here).zip(&there).map(|((g, a), b)| g * (b - a).abs()).sum();
         assert!(height >= temperature.peak + cut - 1e-10 * (size + height), "{height} {} {cut}", temperature.peak);
         // More heat nowhere cools.
         let more: Vec<f64> = here.iter().zip(&there).map(|(a, b)| a.max(*b)).collect();
-        assert!(peak(&motor, &Heat { heat: &more, ..heat }, course) >= temperature.peak * (1.0 - 1e-12));
+        assert!(
+            peak(&motor, &Heat { heat: &more, phase: &of(&more), ..heat }, course) >= temperature.peak * (1.0 - 1e-12)
+        );
         settling += usize::from(height.is_finite());
     }
     assert!(settling > 150);
@@ -468,7 +573,8 @@ fn parts_converge_in_second_order() {
         let times = grid(samples, period);
         let phase = |t: &f64| (std::f64::consts::TAU * t / period).sin();
         let q: Vec<f64> = times.iter().map(|t| 150.0 * phase(t).powi(2) * (1.0 + 0.5 * phase(t))).collect();
-        settled(&motor, &Heat { times: &times, period_or_duration: period, heat: &q, settling: &[] }).winding[0]
+        settled(&motor, &Heat { times: &times, period_or_duration: period, heat: &q, settling: &[], phase: &[] })
+            .winding[0]
     };
     let exact = first(65536);
     let errors: Vec<f64> = [32, 64, 128, 256].iter().map(|samples| (first(*samples) - exact).abs()).collect();
@@ -481,7 +587,8 @@ fn parts_converge_in_second_order() {
 fn long_intervals_are_close_to_the_course_they_stand_for() {
     // Piecewise linear heat in intervals of up to 6 τ_w, and the same course in 60000 samples.
     let (times, q) = ([0.0, 30.0, 330.0, 500.0], [20.0, 200.0, 100.0, 0.0]);
-    let coarse = settled(&MOTOR, &Heat { times: &times, period_or_duration: 600.0, heat: &q, settling: &[] });
+    let coarse =
+        settled(&MOTOR, &Heat { times: &times, period_or_duration: 600.0, heat: &q, settling: &[], phase: &[] });
     let fine_times = grid(60000, 600.0);
     let fine_heat: Vec<f64> = fine_times
         .iter()
@@ -491,8 +598,10 @@ fn long_intervals_are_close_to_the_course_they_stand_for() {
             q[k] + (q[(k + 1) % 4] - q[k]) * (t - times[k]) / (until - times[k])
         })
         .collect();
-    let fine =
-        settled(&MOTOR, &Heat { times: &fine_times, period_or_duration: 600.0, heat: &fine_heat, settling: &[] });
+    let fine = settled(
+        &MOTOR,
+        &Heat { times: &fine_times, period_or_duration: 600.0, heat: &fine_heat, settling: &[], phase: &[] },
+    );
     assert!((coarse.winding[0] - fine.winding[0]).abs() < 0.02);
     assert!((coarse.winding[2] - fine.winding[3 * 11000]).abs() < 0.02);
     // The peak lies between samples and is seen.
@@ -504,7 +613,7 @@ fn long_intervals_are_close_to_the_course_they_stand_for() {
 fn intervals_of_thousands_of_time_constants_follow_their_heat() {
     let r_th = MOTOR.resistance_winding_housing + MOTOR.resistance_housing_ambient;
     let (times, q) = ([0.0, 1e7, 2e7, 3e7], [10.0, 100.0, 100.0, 40.0]);
-    let heat = Heat { times: &times, period_or_duration: 4e7, heat: &q, settling: &[] };
+    let heat = Heat { times: &times, period_or_duration: 4e7, heat: &q, settling: &[], phase: &[] };
     let temperature = settled(&MOTOR, &heat);
     for (winding, q) in temperature.winding.iter().zip(q) {
         let steady = thermal::winding_temperature(q, 1.0, MOTOR.reference, r_th, MOTOR.ambient).unwrap();
@@ -518,14 +627,14 @@ fn intervals_of_thousands_of_time_constants_follow_their_heat() {
 fn no_heat_is_ambient() {
     for (times, period) in [(vec![0.0], 1.0), (grid(10, 5.0), 5.0), (grid(3, 1e5), 1e5)] {
         let q = vec![0.0; times.len()];
-        let heat = Heat { times: &times, period_or_duration: period, heat: &q, settling: &[] };
+        let heat = Heat { times: &times, period_or_duration: period, heat: &q, settling: &[], phase: &[] };
         for temperature in [settled(&MOTOR, &heat), MOTOR.from_cold(&heat)] {
             assert!(temperature.winding.iter().chain(&temperature.housing).all(|t| *t == MOTOR.ambient));
             assert_eq!((temperature.peak, temperature.peak_sample), (MOTOR.ambient, 0));
         }
         // The first watt heats as much as the thermal resistance, on average over the period.
         let temperature = settled(&MOTOR, &heat);
-        let gradient = MOTOR.peak_gradient(&heat, Course::Periodic, &temperature);
+        let [gradient, _] = MOTOR.peak_gradient(&heat, Course::Periodic, &temperature);
         let r_th = MOTOR.resistance_winding_housing + MOTOR.resistance_housing_ambient;
         let expected = r_th * (1.0 + copper(MOTOR.reference) * (MOTOR.ambient - MOTOR.reference));
         assert_relative_eq!(gradient.iter().sum::<f64>(), expected, max_relative = 1e-9);
@@ -535,9 +644,15 @@ fn no_heat_is_ambient() {
 #[test]
 fn a_motion_from_cold_counts_its_end() {
     // Samples up to the end, or the last held.
-    let to_the_end =
-        MOTOR.from_cold(&Heat { times: &[0.0, 5.0], period_or_duration: 5.0, heat: &[50.0, 50.0], settling: &[] });
-    let held = MOTOR.from_cold(&Heat { times: &[0.0], period_or_duration: 5.0, heat: &[50.0], settling: &[] });
+    let to_the_end = MOTOR.from_cold(&Heat {
+        times: &[0.0, 5.0],
+        period_or_duration: 5.0,
+        heat: &[50.0, 50.0],
+        settling: &[],
+        phase: &[],
+    });
+    let held =
+        MOTOR.from_cold(&Heat { times: &[0.0], period_or_duration: 5.0, heat: &[50.0], settling: &[], phase: &[] });
     assert_relative_eq!(to_the_end.peak, held.peak, max_relative = 1e-14);
     assert_eq!((to_the_end.peak, held.winding.len()), (to_the_end.winding[1], 1));
     assert!(held.peak > held.winding[0]);
@@ -545,7 +660,7 @@ fn a_motion_from_cold_counts_its_end() {
 
 #[test]
 fn heat_beyond_numbers_is_infinitely_hot() {
-    let heat = Heat { times: &[0.0, 500.0], period_or_duration: 1000.0, heat: &[1e9, 1e9], settling: &[] };
+    let heat = Heat { times: &[0.0, 500.0], period_or_duration: 1000.0, heat: &[1e9, 1e9], settling: &[], phase: &[] };
     assert_eq!(MOTOR.from_cold(&heat).peak, f64::INFINITY);
     assert_eq!(MOTOR.periodic_state(&heat), Outcome::Runaway);
 }
@@ -553,10 +668,10 @@ fn heat_beyond_numbers_is_infinitely_hot() {
 #[test]
 fn a_few_periods_from_cold_cut_off_what_runs_away() {
     let q = [1.3 * threshold(&MOTOR)];
-    let heat = Heat { times: &[0.0], period_or_duration: 1500.0, heat: &q, settling: &[] };
+    let heat = Heat { times: &[0.0], period_or_duration: 1500.0, heat: &q, settling: &[], phase: &[] };
     let limit = 398.15;
     let cold = MOTOR.from_cold(&heat);
-    let gradient = MOTOR.peak_gradient(&heat, Course::FromCold, &cold);
+    let [gradient, _] = MOTOR.peak_gradient(&heat, Course::FromCold, &cold);
     // T(q) + g (q' − q) ≤ limit admits every q' that settles below the limit, and not q.
     let cut = q[0] + (limit - cold.peak) / gradient[0];
     assert!(cold.peak > limit && cut < q[0]);

@@ -259,6 +259,9 @@ impl Motor {
                     let kept = share * other.back_emf_constant / self.back_emf_constant;
                     gear.efficiency = gear.efficiency.map(|efficiency| (efficiency * kept).min(1.0));
                 }
+                if let Some((_, efficiency)) = ratings.iter().find(|(column, _)| *column == "efficiency") {
+                    gear.efficiency = gear.efficiency.map(|_| *efficiency);
+                }
                 self.around(Arc::new(Inside { module, gear, response, ..Inside::clone(inside) }))
             }
         }
@@ -271,9 +274,9 @@ impl Module {
         across(self.sheet.outer_diameter, self.sheet.width, self.sheet.height)
     }
 
-    /// How its winding answers, from its overload table.
+    /// Thermal response of its winding, from its overload tables.
     fn response(&self) -> Option<Response> {
-        self.sheet.rated_torque.and_then(|rated| Response::fit(rated.value, &self.overload))
+        Response::of_tables(self.sheet.rated_torque?.value, &self.overload, &self.overload_stall)
     }
 
     /// The module with other ratings. Its curves go with its peak torque and its speed without load, its overload table with its

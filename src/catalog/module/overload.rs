@@ -22,14 +22,38 @@ pub const BENDS: f64 = 0.5;
 pub struct Response {
     /// Torque that never reaches the limit \[N·m\].
     pub rated: f64,
-    /// Shares, which sum to one, and time constants \[s\].
+    /// Shares, which sum to one, and time constants \[s\], while the rotor turns.
     pub lags: Vec<(f64, f64)>,
+    /// Shares and time constants \[s\] at standstill, where one phase carries two thirds of the heat: response to twice the squared torque.
+    pub standing: Vec<(f64, f64)>,
 }
 
-/// A time over which the squared torque goes linearly from one value to another \[s, N²·m²\].
-pub type Piece = (f64, f64, f64);
+/// Time over which squared torques go linearly from one value to another.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Piece {
+    /// Its length \[s\].
+    pub lasts: f64,
+    /// Squared torque while the rotor turns, at the start and at the end \[N²·m²\].
+    pub turning: [f64; 2],
+    /// Twice the squared torque at standstill, at the start and at the end \[N²·m²\].
+    pub standing: [f64; 2],
+}
 
 impl Response {
+    /// The answer of a module with a rated torque \[N·m\], from the tables of overload while it turns and at standstill; `None` where neither
+    /// is of use. A module with one of the two answers by that one: a table at standstill is the quicker, and twice the squared torque stands
+    /// in for a missing one.
+    pub fn of_tables(rated: f64, turning: &[[f64; 2]], standing: &[[f64; 2]]) -> Option<Response> {
+        let turning = Response::fit(rated, turning);
+        // The heat of the worst phase is twice the mean: it bears the rated torque over √2 continuously.
+        let standing = Response::fit(rated * std::f64::consts::FRAC_1_SQRT_2, standing);
+        match (turning, standing) {
+            (Some(turning), Some(standing)) => Some(Response { standing: standing.lags, ..turning }),
+            (None, Some(standing)) => Some(Response { rated, ..standing }),
+            (turning, None) => turning,
+        }
+    }
+
     /// The answer through the points of a table \[N·m, s\], nowhere below them; `None` where a table has less than two points or
     /// contradicts itself.
     ///
@@ -103,12 +127,14 @@ impl Response {
         let all: f64 = shares.iter().filter(|s| kept(s)).sum();
         let lags: Vec<(f64, f64)> =
             shares.iter().zip(&lags).filter(|(s, _)| kept(s)).map(|(share, lag)| (share / all, *lag)).collect();
-        let mut response = Response { rated, lags };
+        let mut response = Response { rated, standing: lags.clone(), lags };
         // What the solver leaves is on the safe side: a quicker answer is a higher one.
         let undercuts = |of: &Response| points.iter().any(|(time, s)| of.step(*time) < *s);
         let solved = response.lags.clone();
-        let quicker =
-            |by: f64| Response { rated, lags: solved.iter().map(|(share, lag)| (*share, by * lag)).collect() };
+        let quicker = |by: f64| {
+            let lags: Vec<(f64, f64)> = solved.iter().map(|(share, lag)| (*share, by * lag)).collect();
+            Response { rated, standing: lags.clone(), lags }
+        };
         if undercuts(&response) {
             let (mut enough, mut too_slow) = (QUICKER, 1.0);
             for _ in 0..40 {
@@ -128,7 +154,7 @@ impl Response {
     /// The largest normalised temperature over a course of the squared torque: in the state that repeats, or from cold.
     pub fn peak(&self, course: &[Piece], repeats: bool) -> f64 {
         let square = self.rated * self.rated;
-        let end = |y: f64, (share, lag): (f64, f64), (lasts, from, to): Piece| {
+        let end = |y: f64, (share, lag): (f64, f64), lasts: f64, [from, to]: [f64; 2]| {
             if lasts <= 0.0 {
                 return y;
             }
@@ -138,25 +164,29 @@ impl Response {
             let settled = |t: f64| a + slope * (t - lag);
             settled(lasts) + (y - settled(0.0)) * decay
         };
-        let start = |lag: (f64, f64)| {
+        type Squares = fn(&Piece) -> [f64; 2];
+        let (turning, standing): (Squares, Squares) = (|piece| piece.turning, |piece| piece.standing);
+        let turning = self.lags.iter().map(|lag| (*lag, turning));
+        let all: Vec<((f64, f64), Squares)> = turning.chain(self.standing.iter().map(|lag| (*lag, standing))).collect();
+        let start = |(lag, squares): &((f64, f64), Squares)| {
             if !repeats {
                 return 0.0;
             }
             // One period takes y to c + d y.
-            let after = course.iter().fold(0.0, |y, piece| end(y, lag, *piece));
-            let lasts: f64 = course.iter().map(|piece| piece.0).sum();
+            let after = course.iter().fold(0.0, |y, piece| end(y, *lag, piece.lasts, squares(piece)));
+            let lasts: f64 = course.iter().map(|piece| piece.lasts).sum();
             after / -(-lasts / lag.1).exp_m1()
         };
-        let mut state: Vec<f64> = self.lags.iter().map(|lag| start(*lag)).collect();
+        let mut state: Vec<f64> = all.iter().map(start).collect();
         let mut peak: f64 = state.iter().sum();
         for piece in course {
             // Within a piece it may be higher than at its ends.
             const LOOKS: usize = 16;
             for k in 0..LOOKS {
-                let at = |share: f64| piece.1 + (piece.2 - piece.1) * share;
-                let part = (piece.0 / LOOKS as f64, at(k as f64 / LOOKS as f64), at((k + 1) as f64 / LOOKS as f64));
-                for (y, lag) in state.iter_mut().zip(&self.lags) {
-                    *y = end(*y, *lag, part);
+                for (y, (lag, squares)) in state.iter_mut().zip(&all) {
+                    let [from, to] = squares(piece);
+                    let part = [k, k + 1].map(|look| from + (to - from) * look as f64 / LOOKS as f64);
+                    *y = end(*y, *lag, piece.lasts / LOOKS as f64, part);
                 }
                 peak = peak.max(state.iter().sum());
             }
@@ -209,9 +239,31 @@ mod tests {
                 peak = peak.max(hot + slow);
             }
         }
-        let found = response.peak(&[(20.0, 400.0, 400.0), (180.0, 0.0, 0.0)], true);
+        let hold = |lasts, square: f64| Piece { lasts, turning: [square; 2], standing: [0.0; 2] };
+        let found = response.peak(&[hold(20.0, 400.0), hold(180.0, 0.0)], true);
         assert!((found / peak - 1.0).abs() < 0.01, "{found} {peak}");
         assert!(found > peak * (1.0 - 1e-3));
+    }
+
+    #[test]
+    fn a_hold_reaches_the_limit_when_the_table_of_its_kind_says() {
+        let (turning, standing) =
+            ([[25.0, 900.0], [30.0, 393.0], [40.0, 60.0]], [[20.0, 190.0], [30.0, 25.0], [40.0, 9.0]]);
+        let response = Response::of_tables(20.0, &turning, &standing).unwrap();
+        for ([torque, time], stands) in turning.map(|p| (p, false)).into_iter().chain(standing.map(|p| (p, true))) {
+            let square = torque * torque;
+            let hold = match stands {
+                true => Piece { lasts: time, turning: [0.0; 2], standing: [2.0 * square; 2] },
+                false => Piece { lasts: time, turning: [square; 2], standing: [0.0; 2] },
+            };
+            let peak = response.peak(&[hold], false);
+            assert!((1.0 - 1e-9..1.25).contains(&peak), "{torque} N·m for {time} s: {peak}");
+        }
+        // Without a table at standstill twice the heat answers, as while it turns.
+        let alone = Response::of_tables(20.0, &turning, &[]).unwrap();
+        assert_eq!(alone.standing, alone.lags);
+        assert_eq!(Response::of_tables(20.0, &[], &standing).unwrap().lags, response.standing);
+        assert!(Response::of_tables(20.0, &[], &[]).is_none());
     }
 
     #[test]

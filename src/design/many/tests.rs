@@ -35,14 +35,20 @@ fn robot(samples: usize, seed: u64) -> Robot {
 
 #[test]
 fn the_answer_is_that_of_all_samples() {
-    let catalog = Catalog::builtin().unwrap();
+    let builtin = Catalog::builtin().unwrap();
     for seed in 1..=3 {
+        // A part of the motors for each seed: every sample of each of them is computed.
+        let counts = |index: usize| crate::cases::are_all() || index % 12 == 4 * (seed as usize - 1);
+        let mut catalog = builtin.clone();
+        catalog.motors =
+            builtin.motors.iter().enumerate().filter(|(k, _)| counts(*k)).map(|(_, m)| m.clone()).collect();
         let whole = robot(MANY + 5_000, seed);
         let (some, told) = with_samples(whole.clone(), &catalog, Options::default()).unwrap();
         assert!(told[0].at < 5_000 && told[0].of == MANY + 5_000, "{told:?}");
         let (all, part) = (crate::design::optimize(&whole, &catalog), crate::design::optimize(&some, &catalog));
         let (all, part) = (&all.joints[0], &part.joints[0]);
-        assert!(all.candidates.len() > 5, "{}", all.candidates.len());
+        let least = if crate::cases::are_all() { 6 } else { 2 };
+        assert!(all.candidates.len() >= least, "{}", all.candidates.len());
         let ids = |of: &JointResult| of.candidates.iter().map(|d| d.motor.id.clone()).collect::<Vec<_>>();
         assert_eq!(ids(all), ids(part));
         for (a, b) in all.candidates.iter().zip(&part.candidates) {

@@ -241,6 +241,12 @@ impl<'a> RatioProgram<'a> {
         candidates.any(|c| !c.folded && c.has_evaluated_effects())
     }
 
+    /// True if the iron of some motor saturates.
+    fn saturates(&self) -> bool {
+        let mut candidates = self.limits.iter().map(|l| l.candidate).chain([&self.prepared.candidate]);
+        candidates.any(|c| c.ends().any(|end| end.shortfall.saturates()))
+    }
+
     /// The reason why the program is not the convex one, if there is one.
     fn why_not_convex(&self) -> Option<&'static str> {
         let candidates = self.limits.iter().map(|l| l.candidate).chain([&self.prepared.candidate]);

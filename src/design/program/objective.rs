@@ -2,6 +2,8 @@
 //! below it everywhere. A smooth objective is its own cut; a largest or a mean of positive parts has a
 //! cut for each ratio. The conic program and the branch and bound both work on cuts alone.
 
+use std::ops::{Add, Mul};
+
 use super::RatioProgram;
 use crate::actuator::supply::Drawn;
 use crate::actuator::waveform::{Functional, Largest, WavePoint};
@@ -81,15 +83,33 @@ impl<'a> Goal<'a> {
 
     /// The polynomial that touches the objective at a ratio and is nowhere above it.
     pub(super) fn cut(&self, ratio: f64) -> Laurent {
+        let prepared = self.program.prepared;
+        self.with_losses(self.without_losses(ratio), |quantity| match quantity {
+            Quantity::Loss => prepared.loss_cut(ratio),
+            _ => prepared.copper_cut(ratio),
+        })
+    }
+
+    /// Value of the cut at its ratio.
+    fn touched(&self, ratio: f64) -> f64 {
+        let prepared = self.program.prepared;
+        self.with_losses(self.without_losses(ratio).at(ratio), |quantity| match quantity {
+            Quantity::Loss => prepared.loss_at(ratio),
+            _ => prepared.copper_loss_at(ratio),
+        })
+    }
+
+    /// Adds loss and copper loss by their weights, where they are not polynomials in the ratio.
+    fn with_losses<T: Add<Output = T> + Mul<f64, Output = T>>(&self, sum: T, of: impl Fn(Quantity) -> T) -> T {
+        let weight = |quantity| self.program.objective.weight(quantity);
+        let counted = [Quantity::Loss, Quantity::CopperLoss].into_iter().filter(|q| !self.is_plain && weight(*q) > 0.0);
+        counted.fold(sum, |sum, quantity| sum + of(quantity) * weight(quantity))
+    }
+
+    /// The cut without losses that are not polynomials in the ratio.
+    fn without_losses(&self, ratio: f64) -> Laurent {
         let weight = |quantity| self.program.objective.weight(quantity);
         let mut cut = self.smooth;
-        let prepared = self.program.prepared;
-        if weight(Quantity::Loss) > 0.0 && !self.is_plain {
-            cut = cut + prepared.loss_cut(ratio) * weight(Quantity::Loss);
-        }
-        if weight(Quantity::CopperLoss) > 0.0 && !self.is_plain {
-            cut = cut + prepared.copper_cut(ratio) * weight(Quantity::CopperLoss);
-        }
         if weight(Quantity::PeakCurrent) > 0.0 {
             cut = cut + self.peak_current(ratio, weight(Quantity::PeakCurrent));
         }
@@ -186,7 +206,7 @@ impl<'a> Goal<'a> {
                 Goal::new(&RatioProgram { prepared: here, objective, range, limits: Vec::new() }).value(ratio)
             });
         }
-        self.cut(ratio).at(ratio) + self.steps(ratio)
+        self.touched(ratio) + self.steps(ratio)
     }
 
     /// What a gap is measured by: the value, or where its terms cancel, a millionth of their size.

@@ -92,7 +92,7 @@ pub enum Unsolved {
     /// No ratio between the best ones of two quantities keeps every limit.
     NoneBetween,
     /// The tolerance of a column of the catalogue reaches zero.
-    ToleranceReachesZero(&'static str),
+    ToleranceReachesZero(std::borrow::Cow<'static, str>),
 }
 
 /// What a spring that nobody found is of.

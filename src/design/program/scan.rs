@@ -19,6 +19,10 @@ const EVALUATED_POINTS: usize = 300;
 const WEAKENED_POINTS: usize = 100;
 /// Narrowings of a valley there.
 const WEAKENED_STEPS: usize = 40;
+/// Points of the first grid if the iron saturates: each mean is a sum over all samples.
+const SATURATED_POINTS: usize = 200;
+/// Points of the objective if the iron saturates: the branch and bound refines them.
+const SATURATED_VALUES: usize = 50;
 /// A limit that is kept by a current along d is met with equality: what differs by no more than this is rounding.
 const EQUALITY: f64 = 1e-10;
 /// How near the end of a window is found where ratios are evaluated (relative).
@@ -268,6 +272,7 @@ fn count(program: &RatioProgram) -> usize {
     match program.is_evaluated() {
         true if is_proved_after(program) => WEAKENED_POINTS,
         true => EVALUATED_POINTS,
+        false if program.saturates() => SATURATED_POINTS,
         false => POINTS,
     }
 }
@@ -297,7 +302,8 @@ fn boundary(program: &RatioProgram, outside: f64, inside: f64) -> (f64, Bind) {
 
 /// The best ratio over all windows.
 fn best_of(program: &RatioProgram, goal: &Goal, windows: &[Window]) -> Option<(f64, f64)> {
-    least_by(&|n| goal.value(n), &pieces(program, windows), count(program), steps(program))
+    let count = if program.saturates() && !program.is_evaluated() { SATURATED_VALUES } else { count(program) };
+    least_by(&|n| goal.value(n), &pieces(program, windows), count, steps(program))
 }
 
 /// The windows, cut where the mass steps.

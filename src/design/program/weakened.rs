@@ -32,11 +32,14 @@ impl At {
     fn square(self, candidate: &Candidate, along: AlongD, point: &WavePoint) -> Option<Laurent> {
         let sample = (point.flow, &point.features);
         let bound = candidate.voltage_squared("voltage");
-        let of_ends = candidate.ends().filter_map(|end| match along {
-            AlongD::Weakening(_) => least_square(end, sample, bound, self.ratio, self.interval),
+        let of_end = |end: &Actuator| match along {
+            AlongD::Weakening(_) => {
+                let rows = end.windings().map(|end| least_square(&end, sample, bound, self.ratio, self.interval));
+                rows.into_iter().flatten().reduce(|x, y| self.larger(x, y))
+            }
             AlongD::Braking { beyond, .. } => Some(braking_square(end, sample, beyond)),
-        });
-        let larger = of_ends.reduce(|x, y| if y.at(self.ratio) > x.at(self.ratio) { y } else { x });
+        };
+        let larger = candidate.ends().filter_map(of_end).reduce(|x, y| self.larger(x, y));
         larger.filter(|square| square.at(self.ratio) > 0.0)
     }
 
@@ -50,6 +53,15 @@ impl At {
 
     fn larger(self, a: Laurent, b: Laurent) -> Laurent {
         if b.at(self.ratio) > a.at(self.ratio) { b } else { a }
+    }
+
+    /// The row of the least squared voltage that a current of at most `most` \[N·m\] along d leaves, by its worst point and winding.
+    fn least_voltage(self, actuator: &Actuator, waveform: &Waveform, most: f64) -> Laurent {
+        let point = waveform.point(waveform.largest(Functional::LeastVoltage(most), actuator, self.ratio).index);
+        let sample = (point.flow, &point.features);
+        let [hot, cold] =
+            actuator.windings().map(|winding| voltage_row(&winding, sample, most, self.ratio, self.interval));
+        self.larger(hot, cold)
     }
 
     /// The largest squared current of all samples, times K_T².
@@ -68,10 +80,7 @@ impl At {
     fn braked_voltage(self, candidate: &Candidate, waveform: &Waveform, asked: &Asked) -> Option<Laurent> {
         let Some(AlongD::Braking { beyond, .. }) = candidate.along_d() else { return None };
         let actuator = candidate.end(asked.end);
-        let squared_at = |k: usize| {
-            let point = waveform.point(k);
-            actuator.voltage_squared(point.flow, &point.features)
-        };
+        let windings = actuator.windings();
         let burns = |k: usize| {
             let point = waveform.point(k);
             let of_end = |end| most_of(&braking_square(end, (point.flow, &point.features), beyond), self.interval);
@@ -84,10 +93,12 @@ impl At {
             let most = most_of_sample(sample);
             for k in waveform.of_sample(sample) {
                 let point = waveform.point(*k);
-                offer(match most > 0.0 {
-                    true => voltage_row(actuator, (point.flow, &point.features), most, self.ratio, self.interval),
-                    false => squared_at(*k),
-                });
+                for winding in &windings {
+                    offer(match most > 0.0 {
+                        true => voltage_row(winding, (point.flow, &point.features), most, self.ratio, self.interval),
+                        false => winding.voltage_squared(point.flow, &point.features),
+                    });
+                }
             }
         }
         worst
@@ -111,14 +122,11 @@ impl At {
 
     /// The row of a limit, by its worst sample.
     fn row(self, candidate: &Candidate, asked: &Asked, squares: &[Square]) -> Option<Laurent> {
-        let At { ratio, interval } = self;
+        let At { ratio, .. } = self;
         let actuator = candidate.end(asked.end);
         let load = candidate.load;
         match asked.demand {
-            Demand::Samples(functional @ Functional::LeastVoltage(most)) => {
-                let point = load.waveform.point(load.waveform.largest(functional, actuator, ratio).index);
-                Some(voltage_row(actuator, (point.flow, &point.features), most, ratio, interval))
-            }
+            Demand::Samples(Functional::LeastVoltage(most)) => Some(self.least_voltage(actuator, &load.waveform, most)),
             Demand::Samples(Functional::VoltageSquared) => self.braked_voltage(candidate, &load.waveform, asked),
             // The motor's torque has no part in it, the current has.
             Demand::Samples(Functional::TorqueSquared) if asked.limit.is_q_axis() => {
@@ -142,8 +150,7 @@ impl At {
                 let Some(most) = candidate.weakening().map(|most| most * actuator.torque_constant) else {
                     return self.braked_voltage(candidate, waveform, asked);
                 };
-                let point = waveform.point(waveform.largest(Functional::LeastVoltage(most), actuator, ratio).index);
-                Some(voltage_row(actuator, (point.flow, &point.features), most, ratio, interval))
+                Some(self.least_voltage(actuator, waveform, most))
             }
             Demand::Bandwidth(Functional::TorqueSquared) if candidate.weakening().is_none() => {
                 self.braked_ripple(candidate, actuator)

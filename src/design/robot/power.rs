@@ -393,15 +393,16 @@ impl Profile {
         for end in &self.ends {
             let here = self.waveform.at(end, ratio);
             for k in 0..self.waveform.len() {
-                let (sample, terminals) = (self.waveform.origin(k), here.terminals(k));
-                power[sample] = power[sample].max(terminals.1 * self.drawn.per_power(terminals.1) + self.standby);
+                let (sample, [hot, cold]) = (self.waveform.origin(k), here.terminals(k));
+                power[sample] = power[sample].max(hot.1 * self.drawn.per_power(hot.1) + self.standby);
                 if comes_back {
                     back[sample] = back[sample].max(here.given_back(k));
                 }
                 let Some((supply, shared)) = &self.supply else { continue };
-                let asks = supply.asks_beyond(terminals, *shared);
-                if asks.0 > beyond[sample].0 {
-                    beyond[sample] = asks;
+                for asks in [hot, cold].map(|terminals| supply.asks_beyond(terminals, *shared)) {
+                    if asks.0 > beyond[sample].0 {
+                        beyond[sample] = asks;
+                    }
                 }
             }
         }

@@ -9,10 +9,9 @@
 //! towards its motion than that, which heats less only where the motor brakes: by that much the tangent is lowered.
 
 use super::convex::{lowest, under};
-use crate::actuator::candidate::End;
 use crate::actuator::limits::{Asked, Class, Demand, GEAR_LIFE};
 use crate::actuator::load::Along;
-use crate::actuator::shaft::{Feature, Flow};
+use crate::actuator::shaft::{End, Feature, Flow};
 use crate::actuator::supply::Drawn;
 use crate::actuator::waveform::{Functional, WavePoint};
 use crate::actuator::{Actuator, Laurent};
@@ -361,8 +360,11 @@ impl<'t> Tangent<'t> {
             return Some((Plane { value, slopes: self.by_mass(self.along.iter().map(of).collect()) }, None));
         }
         let (functional, point) = asked.point_at(candidate, ratio)?;
-        let actuator = candidate.end(asked.end);
-        let of = |point: &WavePoint| functional.polynomial(actuator, point, ratio);
+        // The winding that decides here: of no load the largest demand is below that of this one.
+        let demand = |winding: &Actuator| functional.polynomial(winding, &point, ratio).at(ratio);
+        let windings = functional.windings(candidate.end(asked.end));
+        let actuator = windings.into_iter().max_by(|a, b| demand(a).total_cmp(&demand(b)))?;
+        let of = |point: &WavePoint| functional.polynomial(&actuator, point, ratio);
         Some((Plane { value: of(&point), slopes: self.by_mass(self.of_point(&point, of)) }, Some(point)))
     }
 

@@ -42,25 +42,27 @@ pub fn standard_error(share: f64) -> f64 {
 /// independent normal error of the logarithm, as in the metrics. A number that is zero, half a normal one; between what several
 /// sources print, the logarithm is anywhere.
 fn sample(motor: &Motor, all: &[Toleranced], generator: &mut Pcg64) -> Option<Motor> {
-    let numbers: Vec<(Toleranced, f64)> = all
+    let numbers: Vec<(&Toleranced, f64)> = all
         .iter()
         .map(|t| {
             let z = normal(generator);
             let deviation = 0.5 * t.tolerance;
             let value = match t.published {
+                // A number that may have either sign has no logarithm.
+                _ if t.is_signed() => t.value + deviation * z,
                 _ if t.value == 0.0 => deviation * z.abs(),
                 // Between what sources print none is likelier.
                 Some([low, high]) => low * (high / low).powf(uniform(generator)),
                 None => t.value * (deviation / t.value * z).exp(),
             };
-            (*t, value)
+            (t, t.possible(value))
         })
         .collect();
     with_numbers(motor, numbers.into_iter())
 }
 
 /// A number between zero and one.
-fn uniform(generator: &mut Pcg64) -> f64 {
+pub(super) fn uniform(generator: &mut Pcg64) -> f64 {
     ((generator.next_u64() >> 11) as f64 + 0.5) * 2.0_f64.powi(-53)
 }
 

@@ -1,107 +1,90 @@
-//! The box of a motor's tolerances: its corners, and which of them a limit needs.
+//! The box of a motor's tolerances, and the motors within it.
 
-use crate::actuator::limits::{Depends, Limit};
+use std::borrow::Cow;
+
 use crate::catalog::audit::Severity;
+use crate::catalog::drag::Drag;
 use crate::catalog::module::constants::EfficiencyFrom;
 use crate::catalog::module::{Inside, MODULE_FIELDS, ModuleSheet, Published};
-use crate::catalog::{Alternative, Catalog, FIELDS, Field, Motor, Printed};
-use crate::design::Prepared;
-use crate::design::program::Limited;
+use crate::catalog::{Alternative, Catalog, FIELDS, Field, Motor, Printed, fitted::FittedGear};
+use crate::effects::Named;
 use crate::units::TEMPERATURE;
-
-/// Which end of a tolerance is the worse one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Worst {
-    Low,
-    High,
-    /// It depends on the limit, the sample and the ratio.
-    Either,
-}
-
-/// What a column of the sheet is for a limit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Part {
-    Resistance,
-    Inductance,
-    /// A constant that K_T or K_B comes from.
-    Constant,
-    RotorInertia,
-    Friction,
-    /// The resistance from winding to housing.
-    WindingToHousing,
-    /// Any other number of the thermal nodes.
-    Thermal,
-    /// A rating, a temperature or the mass: its worse end is known.
-    Rating,
-}
-
-impl Part {
-    /// What the motor's own torque is made of.
-    fn is_of_torque(self) -> bool {
-        matches!(self, Part::RotorInertia | Part::Friction)
-    }
-}
 
 /// The columns of a sheet that limits depend on. A speed constant counts where it is the only source of a
 /// back-EMF constant.
-const COLUMNS: &[(&str, Part, Worst)] = &[
-    ("resistance", Part::Resistance, Worst::Either),
-    ("inductance", Part::Inductance, Worst::Either),
-    ("torque_constant", Part::Constant, Worst::Either),
-    ("back_emf_constant", Part::Constant, Worst::Either),
-    ("speed_constant", Part::Constant, Worst::Either),
-    ("rotor_inertia", Part::RotorInertia, Worst::Either),
-    ("viscous_friction", Part::Friction, Worst::Either),
-    ("coulomb_friction", Part::Friction, Worst::Either),
-    ("thermal_resistance_winding_housing", Part::WindingToHousing, Worst::Either),
-    ("thermal_resistance_housing_ambient", Part::Thermal, Worst::High),
-    ("thermal_time_constant_winding", Part::Thermal, Worst::Either),
-    ("thermal_time_constant_housing", Part::Thermal, Worst::Either),
-    ("max_winding_temperature", Part::Rating, Worst::Low),
-    ("reference_temperature", Part::Rating, Worst::Low),
-    ("continuous_current", Part::Rating, Worst::Low),
-    ("peak_current", Part::Rating, Worst::Low),
-    ("continuous_torque", Part::Rating, Worst::Low),
-    ("peak_torque", Part::Rating, Worst::Low),
-    ("max_speed", Part::Rating, Worst::Low),
-    ("mass", Part::Rating, Worst::High),
-    ("outer_diameter", Part::Rating, Worst::High),
-    ("length", Part::Rating, Worst::High),
+const COLUMNS: &[&str] = &[
+    "resistance",
+    "inductance",
+    "torque_constant",
+    "back_emf_constant",
+    "speed_constant",
+    "rotor_inertia",
+    "viscous_friction",
+    "coulomb_friction",
+    "no_load_current",
+    "no_load_speed",
+    "thermal_resistance_winding_housing",
+    "thermal_resistance_housing_ambient",
+    "thermal_time_constant_winding",
+    "thermal_time_constant_housing",
+    "max_winding_temperature",
+    "reference_temperature",
+    "continuous_current",
+    "peak_current",
+    "demagnetization_current",
+    "continuous_torque",
+    "peak_torque",
+    "max_speed",
+    "mass",
+    "outer_diameter",
+    "length",
 ];
 
-/// A column of a module's own sheet that limits depend on.
-struct Rating {
-    column: &'static str,
-    worst: Worst,
-    /// Whether a share of it may be assumed as its ±: a supply range is no number that spreads.
-    spreads: bool,
-}
-
-const fn rated(column: &'static str, worst: Worst, spreads: bool) -> Rating {
-    Rating { column, worst, spreads }
-}
-
-/// Its curves and its overload table go with the ratings, the gear's efficiency with a torque constant that was measured at the flange.
-const RATINGS: &[Rating] = &[
-    rated("peak_torque", Worst::Low, true),
-    rated("stall_torque", Worst::Low, true),
-    rated("rated_torque", Worst::Low, true),
-    rated("no_load_speed", Worst::Low, true),
-    rated("torque_constant", Worst::Low, true),
-    rated("min_voltage", Worst::High, false),
-    rated("max_voltage", Worst::Low, false),
+/// The columns of a module's own sheet that limits depend on, and whether a share of each may be assumed as its ±: a supply range does not
+/// spread. Its curves and its overload table go with the ratings, the gear's efficiency with a torque constant that was measured at the
+/// flange.
+const RATINGS: &[(&str, bool)] = &[
+    ("peak_torque", true),
+    ("stall_torque", true),
+    ("rated_torque", true),
+    ("no_load_speed", true),
+    ("torque_constant", true),
+    ("efficiency", true),
+    ("min_voltage", false),
+    ("max_voltage", false),
 ];
 
-/// Whether a module's torque constant is that of the flange, beside a back-EMF constant.
+/// The numbers of a fitted actuator's gear.
+const GEAR: &[&str] = &["efficiency", "backdrive_efficiency", "inertia"];
+
+/// True if a module's torque constant is that of the flange, beside a back-EMF constant.
 fn is_measured(motor: &Motor) -> bool {
     motor.inside.as_deref().is_some_and(|inside| inside.gear_loss == Some(EfficiencyFrom::TorqueConstant))
 }
 
-/// A number of the sheet with a tolerance.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Location of a number of a motor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Place {
+    /// A column of its sheet.
+    Sheet(&'static str),
+    /// A column of the sheet of the module that it is in.
+    Rating(&'static str),
+    /// A parameter of one of the effects that were fitted for it.
+    Effect {
+        /// Index of the effect.
+        instance: usize,
+        /// Index of the parameter.
+        parameter: usize,
+    },
+    /// A number of the gear that it was fitted with.
+    Gear(&'static str),
+}
+
+/// A number of a motor with a tolerance.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Toleranced {
-    /// Column of the catalogue.
-    pub column: &'static str,
+    /// Column of the catalogue; of a fitted actuator also `effects.NAME.PARAMETER` and `gear.NAME`.
+    pub column: Cow<'static, str>,
     /// Whether it is a rating of a module, at its flange.
     pub is_rating: bool,
     /// The printed number, SI, in the sheet's convention.
@@ -110,20 +93,54 @@ pub struct Toleranced {
     pub tolerance: f64,
     /// The ends of what several sources print, where they are taken.
     pub published: Option<[f64; 2]>,
-    part: Part,
-    worst: Worst,
+    pub(super) place: Place,
+    /// Least and largest value that is possible at all.
+    range: [f64; 2],
+    /// True if zero is possible.
+    may_be_zero: bool,
 }
 
 impl Toleranced {
-    /// The ends of the tolerance; what cannot be negative ends at zero.
-    fn ends(&self) -> [f64; 2] {
-        self.published.unwrap_or([(self.value - self.tolerance).max(0.0), self.value + self.tolerance])
+    /// The ends of the tolerance, within what is possible at all.
+    pub(super) fn ends(&self) -> [f64; 2] {
+        let ends = self.published.unwrap_or([self.value - self.tolerance, self.value + self.tolerance]);
+        let [low, high] = self.range;
+        // A no-load current that may be zero is told from one that is not known.
+        let least = if self.place == Place::Sheet("no_load_current") { 1e-9 * self.value } else { low };
+        [ends[0].max(least).min(self.value), ends[1].min(high).max(self.value)]
+    }
+
+    /// The number at a share of the way from its lower to its upper end.
+    pub(super) fn at(&self, share: f64) -> f64 {
+        let [low, high] = self.ends();
+        if share == 1.0 { high } else { low + share * (high - low) }
+    }
+
+    /// The share at which the printed number is.
+    pub(super) fn nominal(&self) -> f64 {
+        let [low, high] = self.ends();
+        if high > low { (self.value - low) / (high - low) } else { 0.0 }
+    }
+
+    /// True if it may be a number of the gear.
+    pub(super) fn is_of_gear(&self) -> bool {
+        !matches!(self.place, Place::Sheet(_))
+    }
+
+    /// True if it may be positive and negative.
+    pub(super) fn is_signed(&self) -> bool {
+        self.range[0] < 0.0
+    }
+
+    /// The possible number that is nearest to another one.
+    pub(super) fn possible(&self, value: f64) -> f64 {
+        value.clamp(self.range[0], self.range[1])
     }
 
     /// Whether zero is out of the question for the number, and the tolerance reaches it.
     fn reaches_zero(&self) -> bool {
-        let may_be_zero = matches!(self.part, Part::Inductance | Part::Friction);
-        !may_be_zero && self.ends()[0] <= 0.0
+        let [low, _] = self.published.unwrap_or([self.value - self.tolerance, self.value]);
+        !self.may_be_zero && low <= 0.0
     }
 }
 
@@ -141,38 +158,116 @@ fn is_known(motor: &Motor, column: &str) -> bool {
     says || !["resistance", "torque_constant", "peak_current"].contains(&column)
 }
 
+/// A number of a fitted actuator's gear.
+fn of_gear<'g>(gear: &'g mut FittedGear, name: &str) -> &'g mut Option<f64> {
+    match name {
+        "efficiency" => &mut gear.efficiency,
+        "backdrive_efficiency" => &mut gear.backdrive_efficiency,
+        _ => &mut gear.inertia,
+    }
+}
+
 /// The numbers of a motor that have a tolerance, as far as limits depend on them.
 pub fn toleranced(motor: &Motor) -> Vec<Toleranced> {
     let sheet = &motor.sheet;
+    let drag = motor.drag();
     let counts = |column: &str| match column {
         "speed_constant" => sheet.back_emf_constant.is_none(),
         "inductance" => motor.inductance.is_some(),
+        "no_load_current" => matches!(drag, Drag::NoLoad { .. }),
+        // A speed without load says what part of a no-load current is viscous friction.
+        "no_load_speed" => {
+            matches!(drag, Drag::NoLoad { speed: Some(_), .. })
+                || matches!(drag, Drag::NoLoad { .. }) && motor.viscous_friction.is_some()
+        }
         column => is_known(motor, column),
     };
     let ends = |column: &str, is_rating: bool| {
         let all = &motor.inside.as_deref()?.published;
         all.iter().find(|p| p.column == column && p.is_rating == is_rating).map(|p| p.ends)
     };
-    let one = |column: &'static str, is_rating: bool, printed: Printed, part: Part, worst: Worst| {
+    let one = |column: &'static str, place: Place, printed: Printed| {
         let Printed { value, tolerance } = printed;
+        let is_rating = matches!(place, Place::Rating(_));
         let published = ends(column, is_rating).map(|[low, high]| {
             let of_row = tolerance.unwrap_or(0.0);
             [low.min(value - of_row).max(0.0), high.max(value + of_row)]
         });
         let tolerance = published.map_or(tolerance, |[low, high]| Some((value - low).max(high - value)));
         let tolerance = tolerance.filter(|t| *t > 0.0)?;
-        Some(Toleranced { column, is_rating, value, tolerance, published, part, worst })
+        let may_be_zero = ["inductance", "viscous_friction", "coulomb_friction", "no_load_current"].contains(&column);
+        let most = if is_rating && column == "efficiency" { 1.0 } else { f64::INFINITY };
+        let column = column.into();
+        Some(Toleranced { column, is_rating, value, tolerance, published, place, range: [0.0, most], may_be_zero })
     };
-    let of = |(column, part, worst): &(&'static str, Part, Worst)| {
+    let of_sheet = |column: &&'static str| {
         let printed = (field(column).get)(sheet).filter(|_| counts(column))?;
-        one(column, false, printed, *part, *worst)
+        one(column, Place::Sheet(column), printed)
     };
-    let of_module = |of: &Rating| {
-        let printed = (rating(of.column).get)(&motor.inside.as_deref()?.module.sheet)?;
-        let counts = of.column != "torque_constant" || is_measured(motor);
-        one(of.column, true, printed, Part::Rating, of.worst).filter(|_| counts)
+    let of_module = |(column, _): &(&'static str, bool)| {
+        let printed = (rating(column).get)(&motor.inside.as_deref()?.module.sheet)?;
+        let counts = match *column {
+            "torque_constant" => is_measured(motor),
+            // The gear's own row may say another.
+            "efficiency" => motor.inside.as_deref().is_some_and(|inside| inside.gear.efficiency == Some(printed.value)),
+            _ => true,
+        };
+        one(column, Place::Rating(column), printed).filter(|_| counts)
     };
-    COLUMNS.iter().filter_map(of).chain(RATINGS.iter().filter_map(of_module)).collect()
+    let sheets = COLUMNS.iter().filter_map(of_sheet).chain(RATINGS.iter().filter_map(of_module));
+    sheets.chain(fitted(motor)).collect()
+}
+
+/// The numbers of a fitted actuator beyond its sheet that have a tolerance. Those of its gear are two standard deviations of its covariance.
+fn fitted(motor: &Motor) -> Vec<Toleranced> {
+    let Some(fit) = &motor.fit else { return Vec::new() };
+    let deviation = |name: &str| {
+        let place = fit.names.iter().position(|other| other == name)?;
+        let variance = *fit.covariance.get(place)?.get(place)?;
+        (variance > 0.0).then(|| 2.0 * variance.sqrt())
+    };
+    let mut all = Vec::new();
+    for (instance, fitted) in motor.effects.iter().enumerate() {
+        let linear = fitted.effect.linear();
+        for (parameter, of) in fitted.effect.parameters().iter().enumerate().take(fitted.values.len()) {
+            let name = Named::new(fitted.effect, fitted.values.last().copied(), of.name).to_string();
+            let column = format!("effects.{name}");
+            let stated = fit.tolerances.iter().find(|(other, _)| *other == name).map(|(_, tolerance)| *tolerance);
+            let Some(tolerance) = stated.or_else(|| deviation(&column)).filter(|t| *t > 0.0) else { continue };
+            let is_signed = fitted.effect.is_signed() && parameter < linear;
+            all.push(Toleranced {
+                column: column.into(),
+                is_rating: false,
+                value: fitted.values[parameter],
+                tolerance,
+                published: None,
+                place: Place::Effect { instance, parameter },
+                range: [if is_signed { f64::NEG_INFINITY } else { 0.0 }, f64::INFINITY],
+                may_be_zero: parameter < linear,
+            });
+        }
+    }
+    let mut gear = motor.fitted_gear.unwrap_or_default();
+    for name in GEAR {
+        let column = format!("gear.{name}");
+        let (Some(value), Some(tolerance)) = (*of_gear(&mut gear, name), deviation(&column)) else { continue };
+        let range = match *name {
+            "efficiency" => [0.0, 1.0],
+            "backdrive_efficiency" => [f64::NEG_INFINITY, 1.0],
+            _ => [0.0, f64::INFINITY],
+        };
+        all.push(Toleranced {
+            column: column.into(),
+            is_rating: false,
+            value,
+            tolerance,
+            published: None,
+            place: Place::Gear(name),
+            range,
+            may_be_zero: *name != "efficiency",
+        });
+    }
+    all
 }
 
 /// Takes the ends of what all sources print of a module's numbers as their ±. A number that contradicts others of its row, by
@@ -207,10 +302,10 @@ pub fn take_alternatives(catalog: &mut Catalog) {
                 let all = others.iter().filter_map(of).fold([own, own], |[low, high], v| [low.min(v), high.max(v)]);
                 (all != [own, own]).then_some(Published { column, is_rating, ends: all })
             };
-            let of_sheet = COLUMNS.iter().filter_map(|(column, ..)| {
+            let of_sheet = COLUMNS.iter().filter_map(|column| {
                 ends(false, column, &|of: &Motor| (field(column).get)(&of.sheet).map(|p| p.value))
             });
-            let of_module = RATINGS.iter().map(|of| of.column).filter_map(|column| {
+            let of_module = RATINGS.iter().map(|(column, _)| *column).filter_map(|column| {
                 ends(true, column, &|of: &Motor| {
                     (rating(column).get)(&of.inside.as_deref()?.module.sheet).map(|p| p.value)
                 })
@@ -233,7 +328,7 @@ pub fn assume_tolerance(motors: &mut [Motor], share: f64) {
         Some(Printed { tolerance: Some(share * printed.value.abs()), ..printed })
     };
     for motor in motors {
-        for (column, ..) in COLUMNS {
+        for column in COLUMNS {
             let field = field(column);
             let printed = (field.get)(&motor.sheet).filter(|_| field.kind.name != TEMPERATURE.name);
             if let Some(printed) = assumed(printed).filter(|_| is_known(motor, column)) {
@@ -247,8 +342,8 @@ pub fn assume_tolerance(motors: &mut [Motor], share: f64) {
         let sheet = &mut module.sheet;
         sheet.peak_torque = sheet.peak_torque.or(most.map(Printed::exact));
         sheet.no_load_speed = sheet.no_load_speed.or(free.map(Printed::exact));
-        for of in RATINGS.iter().filter(|of| of.spreads) {
-            let field = rating(of.column);
+        for (column, _) in RATINGS.iter().filter(|(_, spreads)| *spreads) {
+            let field = rating(column);
             if let Some(printed) = assumed((field.get)(&module.sheet)) {
                 (field.set)(&mut module.sheet, printed);
             }
@@ -256,132 +351,51 @@ pub fn assume_tolerance(motors: &mut [Motor], share: f64) {
     }
 }
 
-/// The same motor with other numbers in its sheet, or in the ratings of the module that it is in; `None` where they make no motor.
-pub(super) fn with_numbers(motor: &Motor, numbers: impl Iterator<Item = (Toleranced, f64)>) -> Option<Motor> {
+/// Motor with other numbers in its sheet, in the ratings of its module, or in its fit; `None` where
+/// they make no motor.
+pub(super) fn with_numbers<'t>(motor: &Motor, numbers: impl Iterator<Item = (&'t Toleranced, f64)>) -> Option<Motor> {
     let mut sheet = motor.sheet.clone();
+    let (mut effects, mut fitted_gear) = (motor.effects.clone(), motor.fitted_gear);
     let mut ratings = Vec::new();
     for (of, value) in numbers {
-        match of.is_rating {
-            true => ratings.push((of.column, value)),
-            false => (field(of.column).set)(&mut sheet, Printed { value, tolerance: None }),
+        match of.place {
+            Place::Rating(column) => ratings.push((column, value)),
+            Place::Sheet(column) => (field(column).set)(&mut sheet, Printed { value, tolerance: None }),
+            Place::Effect { instance, parameter } => effects[instance].values[parameter] = value,
+            Place::Gear(name) => *of_gear(fitted_gear.get_or_insert_default(), name) = Some(value),
         }
     }
     let other = Motor::new(motor.identity(), motor.conventions, sheet, motor.pole_pairs).ok()?;
     // What the sheet does not have, of another row of it or estimated, has no tolerance.
     let other = other.filled_from(motor).inside_of(motor, &ratings);
-    Some(Motor { effects: motor.effects.clone(), fitted_gear: motor.fitted_gear, fit: motor.fit.clone(), ..other })
+    Some(Motor { effects, fitted_gear, fit: motor.fit.clone(), ..other })
 }
 
-/// A corner of the box of tolerances.
+/// A motor of the box.
 #[derive(Debug, Clone)]
 pub struct Corner {
-    /// Each column with whether its upper end is taken.
-    pub ends: Vec<(&'static str, bool)>,
-    /// What each of them is.
-    parts: Vec<(Part, Worst)>,
+    /// Position of each number between its lower end (0) and its upper end (1).
+    pub at: Vec<f64>,
+    /// The limit that it was found for; `None` of the corners that the search begins with.
+    pub found_for: Option<&'static str>,
     /// The motor there.
     pub motor: Motor,
 }
 
-/// The corners of the box that some limit may need, in a fixed order. A single one, the motor itself,
-/// where nothing has a tolerance.
-///
-/// # Errors
-/// The column whose tolerance reaches zero, where that makes no motor.
-pub fn corners(motor: &Motor) -> Result<Vec<Corner>, &'static str> {
-    let all = toleranced(motor);
-    if let Some(wide) = all.iter().find(|t| t.reaches_zero()) {
-        return Err(wide.column);
+impl Corner {
+    /// The motor at a place of the box; `None` where the numbers make none.
+    pub(super) fn new(
+        motor: &Motor,
+        all: &[Toleranced],
+        at: Vec<f64>,
+        found_for: Option<&'static str>,
+    ) -> Option<Corner> {
+        let numbers = all.iter().zip(&at).map(|(of, share)| (of, of.at(*share)));
+        Some(Corner { motor: with_numbers(motor, numbers)?, at, found_for })
     }
-    let free: Vec<usize> = (0..all.len()).filter(|i| all[*i].worst == Worst::Either).collect();
-    let corner = |bits: usize| {
-        let upper = |i: usize| match all[i].worst {
-            Worst::Low => false,
-            Worst::High => true,
-            Worst::Either => free.iter().position(|f| *f == i).is_some_and(|place| bits >> place & 1 == 1),
-        };
-        let ends: Vec<(&'static str, bool)> = (0..all.len()).map(|i| (all[i].column, upper(i))).collect();
-        let numbers = (0..all.len()).map(|i| (all[i], all[i].ends()[usize::from(upper(i))]));
-        let parts = all.iter().map(|t| (t.part, t.worst)).collect();
-        Some(Corner { motor: with_numbers(motor, numbers)?, ends, parts })
-    };
-    (0..1_usize << free.len()).map(corner).collect::<Option<Vec<_>>>().ok_or("the sheet")
 }
 
-/// Whether a limit needs a corner: of the columns that do not matter to it, or whose worse end is known
-/// for it, only one end.
-fn needs(limit: &Limit, corner: &Corner, motor: &Motor) -> bool {
-    let sheet = &motor.sheet;
-    // The column that K_T comes from, and whether K_T rises with it.
-    let (k_t, rising) = match (sheet.torque_constant, sheet.back_emf_constant) {
-        (Some(_), _) => ("torque_constant", true),
-        (None, Some(_)) => ("back_emf_constant", true),
-        (None, None) => ("speed_constant", false),
-    };
-    let ends = corner.ends.iter().zip(&corner.parts);
-    ends.into_iter().all(|((column, upper), (part, worst))| {
-        // `None`: both ends.
-        let end = match (limit.depends, part) {
-            (Depends::BackEmf | Depends::Anyhow, _) => None,
-            (Depends::Current | Depends::Temperature | Depends::Torque | Depends::Voltage, part)
-            | (Depends::Power | Depends::PowerBack, part)
-                if part.is_of_torque() =>
-            {
-                None
-            }
-            (Depends::Current | Depends::Temperature, Part::Resistance) => Some(true),
-            (Depends::Current, Part::WindingToHousing) => Some(true),
-            (Depends::Temperature, Part::WindingToHousing | Part::Thermal) => None,
-            (Depends::Current | Depends::Temperature, _) if *column == k_t => Some(!rising),
-            (Depends::Voltage, Part::Constant | Part::Resistance | Part::Inductance) => None,
-            (Depends::Power, Part::Resistance) => Some(true),
-            (Depends::Power | Depends::PowerBack, Part::Constant) => None,
-            (Depends::Inertia, Part::RotorInertia) => Some(true),
-            // What a module has to give at its flange has its own inertia in it.
-            (Depends::Rating, Part::RotorInertia) if motor.inside.is_some() => None,
-            _ => Some(false),
-        };
-        *worst != Worst::Either || end.is_none_or(|end| end == *upper)
-    })
-}
-
-/// Whether the corners of the tolerances do not prove a limit over the whole box.
-fn is_unproved(limit: &Limit) -> bool {
-    matches!(limit.depends, Depends::PowerBack | Depends::Temperature)
-}
-
-/// The limits of a box: those of the corners that each needs, and of the nominal motor where corners do not
-/// prove it.
-pub(super) fn limits_of<'p>(nominal: &'p Prepared<'p>, corners: &'p [(Prepared<'p>, Corner)]) -> Vec<Limited<'p>> {
-    let motor = nominal.candidate.motor;
-    let mut limits = Vec::new();
-    for (prepared, corner) in corners {
-        let wanted = prepared.asked.iter().filter(|a| needs(a.limit, corner, motor));
-        limits.extend(wanted.map(|asked| Limited { candidate: &prepared.candidate, asked }));
-    }
-    let unproved = nominal.asked.iter().filter(|a| is_unproved(a.limit));
-    limits.extend(unproved.map(|asked| Limited { candidate: &nominal.candidate, asked }));
-    limits
-}
-
-/// Why corners do not prove that the whole box keeps the limits, where they do not.
-pub(super) fn unproved(nominal: &Prepared, all: &[Toleranced]) -> Option<&'static str> {
-    let has = |matters: &dyn Fn(Part) -> bool| all.iter().any(|t| matters(t.part));
-    let has_column = |name: &str| all.iter().any(|t| t.column == name);
-    let of_power = |part: Part| part.is_of_torque() || part == Part::Constant;
-    // The end of a resistance to ambient is known.
-    let of_heat = |t: &Toleranced| matches!(t.part, Part::WindingToHousing | Part::Thermal) && t.worst == Worst::Either;
-    let follows = nominal.asked.iter().any(|a| a.limit.depends == Depends::Temperature);
-    if nominal.asked.iter().any(|a| a.limit.depends == Depends::PowerBack) && has(&of_power) {
-        return Some("power that comes back may be largest between the corners of the tolerances");
-    }
-    if has_column("max_winding_temperature") {
-        return Some(
-            "voltage takes the winding at its hottest, which the other end of its tolerance would make hotter",
-        );
-    }
-    if follows && all.iter().any(of_heat) {
-        return Some("temperature over the motion may be highest between the ends of the thermal tolerances");
-    }
-    None
+/// The number whose tolerance reaches zero, where that makes no motor.
+pub(super) fn reaching_zero(all: &[Toleranced]) -> Option<&Toleranced> {
+    all.iter().find(|t| t.reaches_zero())
 }

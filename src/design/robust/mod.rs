@@ -1,26 +1,18 @@
 //! Designs that keep their limits for every motor within its tolerances.
 //!
-//! The one idea: the worst motor within the box of tolerances stands at a corner of the box, for each limit
-//! at its own corner, so the robust program is the nominal objective under the rows of the corners.
-//! Why a corner, at any fixed ratio and sample:
-//!
-//! * Shaft torque T and its rate are affine in J, b, c. |T| and the mean of T² are convex in them, and fall
-//!   with K_T where they are currents: largest at a corner.
-//! * `v_q = (R T + L Ṫ)/K_T + K_B N ω` and `v_d = −p N ω L T/K_T` are affine in each of R, L, 1/K_T, K_B, J, b, c
-//!   alone, so `v_q² + v_d²` is convex in each alone: largest at a corner. Where K_B was taken from K_T (or K_T
-//!   from K_B) they are one number K, and `a²/K² + 2 a e + e² K² + d²/K²` is convex in K.
-//! * Bus power `R T²/K_T² + K_B N ω T/K_T` rises with R and is convex in each of the others alone.
-//! * Ratings, highest temperatures and thermal resistances (steady state) are monotone: the worse end.
-//!
-//! The largest over samples, phases and means of such functions are such functions. **Not proved** are two
-//! cases, and they are marked so: a regeneration limit, whose −P is concave in T (its largest may lie
-//! between the corners), and the winding's temperature over the motion in the time constants and in the
-//! resistance from winding to housing; there corners and the nominal motor are looked at. Efficiency,
-//! load and bus have no tolerances here.
+//! The one idea: the robust program is the nominal objective under the limits of the worst motors within the box of tolerances. Which motors
+//! these are is not listed by hand: the equations, in interval arithmetic with derivatives, tell for each limit and each tolerance
+//! whether the limit's excess is monotone (then one end is the worst) or convex (then one of both), and what they do not tell is divided
+//! further. The best ratio under the first corners is looked at over the whole box; a motor that breaks a limit there joins the
+//! corners, and the program is solved again. A limit for which neither a corner nor a bound decides is *not proven*, and its design
+//! is not called robust. Efficiency of a gear that the requirement describes, load and bus have no tolerances here.
 
 mod boxed;
 mod chance;
 mod corners;
+mod derivative;
+mod equations;
+mod proof;
 
 use rayon::prelude::*;
 
@@ -45,7 +37,7 @@ pub struct Taken {
     pub alternatives: bool,
 }
 
-pub use corners::{Corner, Toleranced, assume_tolerance, corners, take_alternatives, toleranced};
+pub use corners::{Corner, Toleranced, assume_tolerance, take_alternatives, toleranced};
 
 /// A design that keeps its limits over the whole box of tolerances.
 #[derive(Debug, Clone)]
@@ -54,7 +46,7 @@ pub struct RobustDesign<'a> {
     pub nominal: Design<'a>,
     /// The numbers that have a tolerance; none: the design is the nominal one.
     pub toleranced: Vec<Toleranced>,
-    /// How many corners of the box were looked at.
+    /// Number of motors of the box that the program was solved for.
     pub corners: usize,
     /// Id of the gear, where it is one of the catalogue.
     pub gear: Option<&'a str>,
@@ -64,8 +56,10 @@ pub struct RobustDesign<'a> {
     pub evaluation: Evaluation,
     /// The largest objective at a corner, at that ratio.
     pub worst_objective: f64,
-    /// The smallest margin at a corner, at that ratio.
+    /// The smallest margin at a corner, or at another motor that was tried, at that ratio.
     pub tightest: Option<Margin>,
+    /// Limits that neither a corner nor a bound proves over the tolerances: the design keeps them at every motor that was tried.
+    pub unproven: Vec<&'static str>,
     /// Limits that could not be checked at that ratio, of the printed numbers or at a corner, and why.
     pub unchecked: Vec<Remark>,
     /// Limits that count as kept there, and as far as what holds.
@@ -86,7 +80,8 @@ pub struct Lost<'a> {
 pub struct RobustJoint<'a> {
     /// The nominal result.
     pub nominal: JointResult<'a>,
-    /// Robust designs, least nominal objective at their ratio first.
+    /// Designs that keep their limits at every motor that was tried: those that are proven first, least nominal objective at their ratio
+    /// first.
     pub designs: Vec<RobustDesign<'a>>,
     /// Motors that are lost to their tolerances, in the nominal order.
     pub lost: Vec<Lost<'a>>,
@@ -116,9 +111,11 @@ pub fn robust<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options) -> R
             }
         }
         designs.sort_by(|a: &RobustDesign, b| {
-            a.optimum
-                .objective
-                .total_cmp(&b.optimum.objective)
+            a.unproven
+                .is_empty()
+                .cmp(&b.unproven.is_empty())
+                .reverse()
+                .then(a.optimum.objective.total_cmp(&b.optimum.objective))
                 .then(a.evaluation.loss.total_cmp(&b.evaluation.loss))
                 .then(a.nominal.motor.id.cmp(&b.nominal.motor.id))
         });

@@ -2,7 +2,7 @@
 
 use crate::catalog::Motor;
 use crate::effects::{Effect, Named, Shape, of_damping};
-use crate::measured::answer::{Parameter, Report, Target};
+use crate::measured::answer::{Ground, Parameter, Refused, Report, Target};
 use crate::measured::bench::Bench;
 use crate::words::handy::with_error;
 
@@ -78,6 +78,13 @@ pub(super) struct Fits<'a> {
 }
 
 impl<'a> Fits<'a> {
+    /// True if some equation was asked for an effect, by its name, whether it was found or not.
+    pub fn asked_for(&self, effect: &str) -> bool {
+        let judged =
+            |refused: &Refused| refused.name == effect && matches!(refused.ground, Ground::Judged | Ground::Drift);
+        self.reports.iter().any(|report| report.refused.iter().any(judged))
+    }
+
     pub fn new(bench: &'a Bench, reports: &'a [Report]) -> Fits<'a> {
         let mut count = 0;
         let first = reports

@@ -4,7 +4,9 @@ use super::{Page, Part, Section, Table, Verdict, asked, folded, unjudged as apar
 use crate::design::robust::{RobustDesign, RobustJoint, SAMPLES};
 use crate::report::optimize::{proof, ratio_text};
 use crate::report::reason::reason_text;
-use crate::report::robust::{keeps_over_tolerances, notes, percent, tolerances_text, without_tolerances};
+use crate::report::robust::{
+    counted_at_worst, keeps_over_tolerances, notes, percent, tolerances_text, unproven_text, without_tolerances,
+};
 use crate::report::said::window_texts;
 use crate::report::{counted, design_ratio, number, optimum_ratio, unjudged};
 use crate::requirement::Robot;
@@ -14,8 +16,18 @@ pub fn page(robot: &Robot, joints: &[RobustJoint]) -> Page {
     let without: Vec<&str> =
         joints.iter().filter(|j| j.designs.is_empty()).map(|j| j.nominal.joint.name.as_str()).collect();
     let untold: Vec<&str> = without_tolerances(joints).map(|j| j.nominal.joint.name.as_str()).collect();
+    let open: Vec<&str> = joints
+        .iter()
+        .filter(|j| j.designs.first().is_some_and(|first| !first.unproven.is_empty()))
+        .map(|j| j.nominal.joint.name.as_str())
+        .collect();
     // A row without tolerances is kept by its printed numbers alone: that is not the same.
     let headline = match (without.as_slice(), untold.as_slice()) {
+        ([], _) if !open.is_empty() => format!(
+            "Every joint has a design that keeps its limits at every motor that was tried; at {} they are not proven over the \
+             tolerances.",
+            open.join(", ")
+        ),
         ([], []) => "Every joint has a design that keeps all limits over the tolerances of its motor.".into(),
         ([], names) => format!(
             "Every joint has a design, but the first of {} has no tolerances in the catalogue: it keeps its limits by its \
@@ -34,7 +46,7 @@ pub fn page(robot: &Robot, joints: &[RobustJoint]) -> Page {
     }
     let mut of_robot = asked::of_robot(robot);
     of_robot.push(Part::Text(
-        "All limits are to be kept over the tolerances of the motors: at every corner of what each number may be."
+        "All limits are to be kept over the tolerances of the motors: by every motor whose numbers are within them."
             .into(),
     ));
     Page {
@@ -72,14 +84,13 @@ fn choices(joints: &[RobustJoint]) -> Table {
 
 fn section(result: &RobustJoint) -> Section {
     let joint = result.nominal.joint;
-    let with = result.designs.iter().filter(|d| !d.toleranced.is_empty()).count();
     let mut parts = vec![Part::Text(format!(
-        "{}, {}: {} can do it by the printed numbers{}; of those with tolerances {with} also at worst, {} not.",
+        "{}, {}: {} can do it by the printed numbers{}; {}.",
         ratio_text(joint),
         joint.aim(),
         counted(result.nominal.candidates.len(), "motor"),
         unjudged::counted(result.nominal.unjudged.len()),
-        result.lost.len()
+        counted_at_worst(result)
     ))];
     parts.extend(designs(result).part());
     let mut lost = Table::new(format!("{}: lost to their tolerances", joint.name), &["motor", ">N*", "because"]);
@@ -149,7 +160,7 @@ fn designs(result: &RobustJoint) -> Table {
         cells.push(tightest.map_or_else(|| "–".into(), |m| m.limit.into()));
         cells.push(tightest.map_or_else(|| "–".into(), |m| number((1000.0 * m.margin.max(0.0)).round() / 10.0)));
         cells.extend([super::estimated(d.nominal.motor), d.unchecked.len().to_string()]);
-        cells.push(proof(&d.optimum.certificate));
+        cells.push(unproven_text(d).unwrap_or_else(|| proof(&d.optimum.certificate)));
         let is_told = !bare && d.gear.is_none();
         cells.push(if is_told { window_texts(&d.optimum, joint).join("; ") } else { String::new() });
         table.push(&d.nominal.motor.id, cells);

@@ -46,11 +46,15 @@ pub struct Robust<'a> {
     pub tolerances: Vec<Tolerance>,
     /// Whether no number has one: the design is the nominal one.
     pub nominal_only: bool,
-    /// Corners of the tolerances that were looked at.
+    /// Motors within the tolerances that the ratio was solved under.
     pub corners: usize,
+    /// True if all limits are proven over the tolerances; false if no number has one.
+    pub robust: bool,
+    /// Limits that are kept at every motor that was tried within the tolerances, and not proven.
+    pub unproven: Vec<&'static str>,
     /// Largest objective at a corner; `null` where no number has a tolerance.
     pub worst_objective: Option<f64>,
-    /// Smallest margin at a corner.
+    /// Smallest margin at a motor within the tolerances that was looked at.
     pub worst_margin: Option<Tightest>,
     /// The best design for the printed numbers.
     pub nominal: Nominal<'a>,
@@ -59,8 +63,8 @@ pub struct Robust<'a> {
 /// A number with its tolerance, in the sheet's convention, SI.
 #[derive(Debug, Serialize, JsonSchema)]
 pub struct Tolerance {
-    /// Column of the catalogue.
-    pub column: &'static str,
+    /// Column of the catalogue; of a fitted actuator also `effects.NAME.PARAMETER` and `gear.NAME`.
+    pub column: String,
     /// The printed number.
     pub value: f64,
     /// Its ±.
@@ -141,10 +145,17 @@ impl<'a> Robust<'a> {
         Robust {
             design: Design::new(of.facts(), joint),
             tolerances: tolerances
-                .map(|t| Tolerance { column: t.column, value: t.value, tolerance: t.tolerance, published: t.published })
+                .map(|t| Tolerance {
+                    column: t.column.to_string(),
+                    value: t.value,
+                    tolerance: t.tolerance,
+                    published: t.published,
+                })
                 .collect(),
             nominal_only: of.toleranced.is_empty(),
             corners: of.corners,
+            robust: of.unproven.is_empty() && !of.toleranced.is_empty(),
+            unproven: of.unproven.clone(),
             worst_objective: Some(of.worst_objective).filter(|worst| worst.is_finite() && !of.toleranced.is_empty()),
             worst_margin: of.tightest.map(|m| Tightest { limit: m.limit, margin: m.margin }),
             nominal: Nominal::new(&of.nominal),

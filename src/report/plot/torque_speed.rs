@@ -5,10 +5,9 @@
 //! outside a current limit exactly where that limit is exceeded. Driving is above zero, braking below.
 
 use super::{Along, Axis, Dash, Label, Mark, Panel, Rule, Series, Shape, Tone, thinned};
-use crate::actuator::candidate::End;
 use crate::actuator::envelope::Steady;
 use crate::actuator::limits::{Asked, Candidate, Demand, is_of_gear};
-use crate::actuator::shaft::Flow;
+use crate::actuator::shaft::{End, Flow};
 use crate::actuator::waveform::Functional;
 use crate::catalog::estimate::Estimated;
 use crate::design::Prepared;

@@ -18,7 +18,7 @@ pub(super) const GEAR_FIT: Rule = Rule {
     example: "A gearhead of 22 mm that fits `maxon-*-22-*` on a motor of 52 mm.",
     fix: "A gear whose `fits` names the motor, or a requirement whose `gears` only match those.",
     test: Test::Joint(|facts| match facts.choice.gear {
-        Some(gear) if gear.fits(facts.choice.motor.row_id()) == Some(false) => {
+        Some(gear) if gear.fits(facts.choice.motor.machine_id()) == Some(false) => {
             let message = format!("{} is not made for {}", gear.id, facts.choice.motor.id);
             let mut remark = Remark::new(message, gear.id.clone(), Place::Reduction);
             remark.help = Some(format!("it fits {}", gear.fits.join(", ")));

@@ -309,6 +309,7 @@ fn a_servo_that_lacks_nothing_gets_no_name() {
 }
 
 #[test]
+#[ignore = "long: `.ci/cases` runs it"]
 fn a_servo_tells_its_load_dependent_friction() {
     let (truth, bench, report) = simulated(&servo_with("load_dependent_friction", 5.0, 8));
     let names: Vec<&str> = report.effects.iter().map(|e| e.name()).collect();

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use gearwise::measured::identify::{ArtefactKind, Options, Report, Verdict, identify};
 
+use crate::cases::few;
 use crate::common::real::on_each;
 use crate::simulator::{self, Bench, Kind, Truth, world::Effect};
 
@@ -299,7 +300,8 @@ fn short(bench: Bench) -> Bench {
 
 #[test]
 fn undeclared_effects_are_named_and_measured() {
-    for name in ["coulomb_friction", "cogging", "load_dependent_friction", "winding_temperature", "torque_offset"] {
+    let names = ["load_dependent_friction", "cogging", "coulomb_friction", "winding_temperature", "torque_offset"];
+    for name in few(2, names) {
         let (truth, reports) = run(&short(simulator::scenario(name, 5.0, 77)));
         assert_eq!(outcome(&truth, &reports), Outcome::Right, "{}", detail(&truth, &reports));
         let report = reports.iter().find(|r| r.effects.iter().any(|e| e.name() == name)).expect("it was found");
@@ -324,14 +326,15 @@ fn undeclared_effects_are_named_and_measured() {
 
 #[test]
 fn no_effect_is_named_where_none_is_missing_or_none_of_the_library_is() {
-    for bench in [
-        simulator::clean(Kind::Dynamometer, 78),
+    let benches = [
         simulator::clean(Kind::Free, 79),
+        simulator::outside("hum", 82),
+        simulator::clean(Kind::Dynamometer, 78),
         simulator::clean(Kind::Electrical, 80),
         simulator::outside("zero_step", 81),
-        simulator::outside("hum", 82),
         simulator::shuffled("coulomb_friction", 5.0, 83),
-    ] {
+    ];
+    for bench in few(2, benches) {
         let (truth, reports) = run(&short(bench));
         assert!(names(&reports).is_empty(), "{}", detail(&truth, &reports));
     }
@@ -340,7 +343,7 @@ fn no_effect_is_named_where_none_is_missing_or_none_of_the_library_is() {
 #[test]
 fn the_same_logs_say_the_same_with_any_number_of_threads() {
     let folder = tempfile::tempdir().expect("a folder");
-    let truth = short(simulator::scenario("cogging", 5.0, 84)).write(folder.path());
+    let truth = simulator::scenario("cogging", 5.0, 84).sampled(6.0, 400.0).write(folder.path());
     let bench = gearwise::measured::read::read(&truth.bench).unwrap();
     let told = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

@@ -4,6 +4,7 @@ use gearwise::measured::identify::{Options, Report};
 use gearwise::measured::read::read_subject;
 use gearwise::measured::robot::{Asked, PayloadAnswer, RobotBench, RobotReport, Subject, identify};
 
+use crate::cases::few;
 use crate::simulator::arm::{Arm, JOINTS};
 
 fn read(arm: &Arm, logs: usize) -> RobotBench {
@@ -54,7 +55,7 @@ fn each_joint_gets_its_own_friction_and_no_mass_is_named_where_none_is_missing()
 
 #[test]
 fn a_wrong_payload_is_named_as_such() {
-    for (seed, declared) in [(2, 0.8), (3, 3.0)] {
+    for (seed, declared) in few(1, [(3, 3.0), (2, 0.8)]) {
         let mut arm = Arm::new(seed);
         arm.declared_payload = Some((declared, arm.payload.1));
         let report = run(&arm);
@@ -96,7 +97,7 @@ fn what_is_no_mass_is_not_called_one() {
     }
     let mut losses = Arm::new(6);
     losses.drives.iter_mut().for_each(|d| d.load_friction = 0.15);
-    for arm in [&constants, &losses] {
+    for arm in few(1, [&constants, &losses]) {
         let payload = masses(arm);
         assert!(!matches!(payload, PayloadAnswer::Named(_)), "{payload:?}");
     }
@@ -114,7 +115,7 @@ fn what_is_no_mass_is_not_called_one() {
 /// A joint whose sense is turned against the description, angle and current alike: that is no mass.
 #[test]
 fn a_joint_that_turns_the_other_way_is_no_mass() {
-    for (seed, joint) in [(31, "forearm"), (32, "upper_arm"), (33, "wrist_1")] {
+    for (seed, joint) in few(1, [(31, "forearm"), (32, "upper_arm"), (33, "wrist_1")]) {
         let folder = tempfile::tempdir().expect("a folder");
         let path = Arm::new(seed).write(folder.path(), 1);
         let text = std::fs::read_to_string(&path).expect("the bench file");

@@ -289,6 +289,7 @@ fn winding_and_housing_reach_their_steady_temperatures() {
 }
 
 #[test]
+#[ignore = "long: `.ci/cases` runs it"]
 fn every_effect_has_the_size_asked_for() {
     for effect in Effect::LIBRARY.into_iter().chain(Effect::OUTSIDE) {
         for (size, seed) in [(1.5, 11), (5.0, 12)] {

@@ -185,7 +185,7 @@ fn a_choice_says_that_its_row_contradicts_itself() {
     for (back_emf, wrong) in [("0.05", true), ("0.1", false)] {
         let catalog = Catalog::of(vec![row(back_emf)], Vec::new());
         let result = optimize(&robot, &catalog);
-        let shown = text(&result, &[], Shown { top: 5, rejected: false, why: false, full: true });
+        let shown = text(&result, &[], &[], Shown { top: 5, rejected: false, why: false, full: true });
         assert_eq!(shown.contains("the row contradicts itself"), wrong, "{shown}");
         let errors = json(&result, &[], None)["joints"][0]["candidates"][0]["audit_errors"].as_array().unwrap().len();
         assert_eq!(errors > 0, wrong);

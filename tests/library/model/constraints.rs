@@ -1,14 +1,19 @@
-//! No constraint is satisfied by a number that says otherwise.
+//! No constraint vanishes and none is satisfied by a number that says otherwise.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use approx::assert_relative_eq;
 use gearwise::actuator::Load;
+use gearwise::actuator::limits::{Check, LIMITS};
 use gearwise::catalog::Catalog;
 use gearwise::design::optimize::optimize;
-use gearwise::design::{Evaluation, Mount};
+use gearwise::design::{Evaluation, Mount, Prepared};
 use gearwise::input::Source;
 use gearwise::requirement::{self, Robot};
+
+use crate::cases::share;
+use crate::common::repository;
 
 fn robot(text: &str) -> Robot {
     requirement::read_source(&Source::new("x.toml", text).into())
@@ -19,12 +24,12 @@ fn catalog(text: &str) -> Catalog {
     Catalog::from_sources(vec![Arc::new(Source::new("m.csv", text))]).unwrap_or_else(|e| panic!("{}", e[0]))
 }
 
-/// The only motor of a table at a ratio.
+/// The only motor or module of a table at a ratio.
 fn at(robot: &Robot, table: &str, ratio: f64) -> Evaluation {
-    let catalog = catalog(table);
+    let catalog = catalog(table).with_modules([&"*".to_string()].into_iter(), |m| m);
     let joint = &robot.joints[0];
     let load = Load::new(&joint.motion, joint.ripple());
-    Mount::new(robot, joint, &load, &catalog.motors[0]).prepared().unwrap().at(ratio)
+    Prepared::new(Mount::new(robot, joint, &load, &catalog.motors[0]).candidate().unwrap()).at(ratio)
 }
 
 fn margin(evaluation: &Evaluation, limit: &str) -> (f64, f64) {
@@ -42,6 +47,34 @@ fn motor(columns: &str, cells: &str) -> String {
 fn joint(bus: &str, joint: &str, points: &str) -> Robot {
     robot(&format!(
         "name = 'x'\nambient = {{ temperature = '25 degC' }}\nbus = {{ {bus} }}\n[[joint]]\nname = 'j'\nratio = {{ min = 1, max = 50 }}\nobjective = 'copper_loss'\npoints = [{points}]\n{joint}"
+    ))
+}
+
+#[test]
+fn the_voltage_of_braking_is_that_of_the_cold_winding() {
+    let table =
+        motor(",max_winding_temperature [degC],reference_temperature [degC],continuous_current [A]", ",150,25,20");
+    // 1 Ω at 25 °C, 1.48 Ω at 150 °C; 10 A at 400 rad/s of the motor against the motion, then with it.
+    let points = "{ torque = '-10 N*m', speed = '40 rad/s', duration = '1 s' }";
+    let robot = joint("voltage = '48 V'", "", points);
+    let hot = 1.0 + 0.003_93 / (1.0 + 0.003_93 * 5.0) * 125.0;
+    assert_relative_eq!(margin(&at(&robot, &table, 10.0), "voltage").0, 40.0 - 10.0, max_relative = 1e-9);
+    let driving = joint("voltage = '100 V'", "", &points.replace("-10", "10"));
+    assert_relative_eq!(margin(&at(&driving, &table, 10.0), "voltage").0, 40.0 + 10.0 * hot, max_relative = 1e-9);
+    // Power returned too is the most of a winding at ambient: −20 °C.
+    let cold = robot_at(-20.0, points);
+    let r = 1.0 + 0.003_93 / (1.0 + 0.003_93 * 5.0) * -45.0;
+    assert_relative_eq!(margin(&at(&cold, &table, 10.0), "regeneration").0, 400.0 - 100.0 * r, max_relative = 1e-9);
+    assert_relative_eq!(margin(&at(&cold, &table, 10.0), "voltage").0, 40.0 - 10.0 * r, max_relative = 1e-9);
+    // Of a supply that sags: 30 V in the q axis are 42.4 V of the bus; what is returned lifts it.
+    let sags = joint("voltage = '48 V', internal_resistance = '0.1 ohm'", "", points);
+    let (bus, given) = (30.0 * 2.0_f64.sqrt(), 10.0 * 30.0);
+    assert_relative_eq!(margin(&at(&sags, &table, 10.0), "voltage").0, bus - 0.1 * given / bus, max_relative = 1e-9);
+}
+
+fn robot_at(ambient: f64, points: &str) -> Robot {
+    robot(&format!(
+        "name = 'x'\nambient = {{ temperature = '{ambient} degC' }}\nbus = {{ voltage = '100 V', regeneration = '50 W' }}\n[[joint]]\nname = 'j'\nratio = {{ min = 1, max = 50 }}\nobjective = 'copper_loss'\npoints = [{points}]\n"
     ))
 }
 
@@ -101,4 +134,238 @@ fn drive_and_leads_are_heated_by_the_current_of_saturated_iron() {
     let mount = Mount::new(&robot, &robot.joints[0], &load, &catalog.motors[0]);
     let energy = mount.prepared().unwrap().at_in_full(10.0).energy.unwrap();
     assert_relative_eq!(energy, 140.0 + here.losses.total(), max_relative = 1e-9);
+}
+
+const MODULE: &str = "id,drive,ratio,source,source_kind,rated_torque [N*m],peak_torque [N*m],no_load_speed [rad/s],voltage [V],driving_curve [rad/s : N*m],overload [N*m : s],overload_stall [N*m : s]\n";
+
+fn module(overload: &str, stall: &str) -> String {
+    format!("{MODULE}mm,built_in,9,s,derived,20,60,35,48,0:60 20:60 35:0,{overload},{stall}\n")
+}
+
+#[test]
+fn a_module_cannot_be_controlled_beyond_its_no_load_speed() {
+    for (speed, torque, feasible) in
+        [(30.0, 0.0, true), (30.0, -1.0, true), (100.0, 0.0, false), (100.0, -1.0, false), (100.0, 1.0, false)]
+    {
+        let points = format!("{{ torque = '{torque} N*m', speed = '{speed} rad/s', duration = '1 s' }}");
+        let here = at(&joint("voltage = '48 V'", "modules = ['*']\n", &points), &module("", ""), 9.0);
+        assert_eq!(here.feasible, feasible, "{speed} {torque}: {:?}", margin(&here, "torque_speed"));
+        if !feasible && torque <= 0.0 {
+            assert_relative_eq!(margin(&here, "torque_speed").0, 100.0 / 35.0, max_relative = 1e-9);
+        }
+    }
+}
+
+#[test]
+fn a_hold_of_a_module_is_judged_by_its_table_at_standstill() {
+    let (turning, stall) = ("25:900 30:393 40:60", "20:190 30:25 40:9");
+    let hold = |torque: f64, speed: f64, time: f64| {
+        robot(&format!(
+            "name = 'x'\nbus = {{ voltage = '48 V' }}\n[[joint]]\nname = 'j'\nmodules = ['*']\nratio = {{ min = 9, max = 9 }}\nobjective = 'copper_loss'\norder = [{{ case = 'hold', count = 1 }}]\nperiodic = false\n[[joint.case]]\nname = 'hold'\npoints = [{{ torque = '{torque} N*m', speed = '{speed} rad/s', duration = '{time} s' }}]\n"
+        ))
+    };
+    for (torque, speed, time, both, alone) in [
+        (30.0, 0.0, 20.0, true, true),
+        (30.0, 0.0, 40.0, false, false),
+        (20.0, 0.0, 400.0, false, false),
+        // Turning it holds as long as the other table says, where there is one.
+        (30.0, 5.0, 300.0, true, false),
+        (30.0, 5.0, 500.0, false, false),
+    ] {
+        let of = |overload: &str| {
+            let here = at(&hold(torque, speed, time), &module(overload, stall), 9.0);
+            margin(&here, "overload").1 >= 0.0
+        };
+        assert_eq!((of(turning), of("")), (both, alone), "{torque} N·m at {speed} rad/s for {time} s");
+    }
+}
+
+#[test]
+fn a_module_bears_less_in_hot_surroundings() {
+    let points = "{ torque = '9.5 N*m', speed = '3 rad/s', duration = '1 s' }";
+    let of = |ambient: f64| {
+        let mut robot = robot_at(ambient, points);
+        robot.joints[0].motors.modules = vec!["*".into()];
+        let here = at(&robot, &module("", ""), 9.0);
+        here.margins.iter().find(|m| m.limit == "rated_torque").unwrap().bound
+    };
+    assert_eq!((of(25.0), of(40.0)), (20.0, 20.0));
+    assert_relative_eq!(of(95.0), 20.0 * (5.0_f64 / 60.0).sqrt(), max_relative = 1e-12);
+}
+
+#[test]
+fn a_dwell_at_standstill_is_followed_in_the_winding_of_one_phase() {
+    // A hold from cold, so short that the housing stays where it is: R_wh q (1 − e^{−t/τ}) with constant resistance, twice that standing.
+    let columns = ",pole_pairs,thermal_resistance_winding_housing [K/W],thermal_resistance_housing_ambient [K/W],thermal_time_constant_winding [s],thermal_time_constant_housing [s],max_winding_temperature [degC]";
+    let table = motor(columns, ",7,0.02,1e-6,12,60000,120");
+    let rise = |speed: f64| {
+        let motion = |t: f64| format!("{t},9,{speed}\n");
+        let csv = format!("time [s],torque [N*m],velocity [rad/s]\n{}", [0.0, 10.0, 20.0, 30.0].map(motion).concat());
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("hold.csv"), csv).unwrap();
+        let text = "name = 'x'\nambient = { temperature = '25 degC' }\nbus = { voltage = '400 V' }\n[[joint]]\nname = 'j'\nratio = { min = 1, max = 50 }\nobjective = 'copper_loss'\nmotion = 'hold.csv'\nperiodic = false\n";
+        std::fs::write(folder.path().join("x.toml"), text).unwrap();
+        let robot = requirement::read(&folder.path().join("x.toml")).unwrap_or_else(|e| panic!("{}", e[0]));
+        margin(&at(&robot, &table, 10.0), "winding_peak_temperature").0
+    };
+    let (turning, standing) = (rise(5.0), rise(0.0));
+    let mean = 0.02 * 81.0 * (1.0 - (-30.0_f64 / 12.0).exp());
+    // Copper warms by one or three kelvin: half a per cent of resistance each.
+    assert!((turning / mean - 1.0).abs() < 0.02 && turning > mean, "{turning} {mean}");
+    assert!((standing / (2.0 * mean) - 1.0).abs() < 0.03 && standing > 2.0 * mean, "{standing} {mean}");
+}
+
+/// The constraints that a limit is one form of.
+fn constraints(limit: &str) -> Vec<&str> {
+    match limit {
+        "peak_current" | "peak_torque" | "demagnetisation" => vec!["peak"],
+        "torque_speed" | "module_curve" => vec!["peak", "voltage"],
+        "continuous_current"
+        | "continuous_torque"
+        | "winding_temperature"
+        | "winding_peak_temperature"
+        | "standstill_holding"
+        | "rated_torque"
+        | "overload"
+        | "module_heat" => vec!["heat"],
+        "gear_continuous_torque" | "gear_average_torque" => vec!["gear heat"],
+        "gear_average_speed" | "gear_input_speed" => vec!["gear speed"],
+        other => vec![other],
+    }
+}
+
+/// The constraints that are asked or reported as not evaluated, and those of the model's limits among them.
+fn seen(robot: &Robot, catalog: &Catalog, motor: &str) -> Option<[BTreeSet<String>; 2]> {
+    let joint = &robot.joints[0];
+    let load = Load::new(&joint.motion, joint.ripple());
+    let motor = catalog.motors.iter().find(|m| m.id == motor)?;
+    let candidate = Mount::new(robot, joint, &load, motor).with_gear(catalog.gears.first()).candidate().ok()?;
+    let owned = |names: Vec<&str>| names.into_iter().flat_map(constraints).map(ToString::to_string).collect();
+    let limits: Vec<&str> = candidate
+        .checks()
+        .filter(|(_, check)| !matches!(check, Check::NotAsked))
+        .map(|(limit, _)| limit.name)
+        .collect();
+    let needs = candidate.lacking().map(|(name, _)| name).chain(candidate.told_at_a_ratio().map(|(name, _)| name));
+    Some([owned(limits.clone()), owned(limits.into_iter().chain(needs).collect())])
+}
+
+/// A value that an entry lacks makes a constraint "not evaluated", never absent: for every value of every shipped entry.
+#[test]
+fn no_constraint_vanishes_with_a_missing_value() {
+    let gear = "id,kind,ratio,efficiency,source,source_kind\ng,planetary,9,0.9,s,derived\n";
+    let drive = motor(
+        ",continuous_current [A],peak_current [A],coulomb_friction [N*m],mass [kg],max_speed [rpm],inductance [mH],pole_pairs",
+        ",20,60,0.001,0.1,9000,0.1,7",
+    );
+    let asked = |more: &str| {
+        robot(&format!(
+            "name = 'x'\nbus = {{ voltage = '24 V', drive_current = '30 A', max_voltage = '60 V', power = '500 W', regeneration = '100 W' }}\n[[joint]]\nname = 'j'\nobjective = 'loss'\n{more}\nlimits = {{ max_backlash = '1 deg', min_stiffness = '100 N*m/rad', max_backdriving_torque = '5 N*m', shock_torque = '9 N*m', life = '100 h', actuator_mass = '9 kg', reflected_inertia = '1 kg*m^2', torque_bandwidth = {{ frequency = '5 Hz', amplitude = '0.1 N*m' }} }}\npoints = [{{ torque = '1 N*m', speed = '2 rad/s', duration = '1 s' }}, {{ torque = '-1 N*m', speed = '1 rad/s', duration = '1 s' }}, {{ torque = '1 N*m', speed = '0 rad/s', duration = '1 s' }}]\n"
+        ))
+    };
+    let robot = asked("gears = ['*']");
+    let (mut blanked, mut step) = (0, 0.0_f64);
+    let mut vanished = Vec::new();
+    for kind in ["motors", "gears", "modules"] {
+        let mut files: Vec<_> =
+            std::fs::read_dir(repository("catalogs").join(kind)).unwrap().map(|f| f.unwrap().path()).collect();
+        files.sort();
+        for file in files {
+            let text = std::fs::read_to_string(&file).unwrap();
+            let lines: String = text.lines().filter(|l| !l.starts_with('#')).map(|l| format!("{l}\n")).collect();
+            let mut reader = csv::Reader::from_reader(lines.as_bytes());
+            let head = reader.headers().unwrap().clone();
+            let place = |name: &str| head.iter().position(|h| h == name);
+            for row in reader.records().map(Result::unwrap) {
+                // A share of the entries, spread over all of them.
+                step += share();
+                if step < 1.0 {
+                    continue;
+                }
+                step -= 1.0;
+                // Alone: what other entries it is the same as or made of is another question.
+                let mut cells: Vec<String> = row.iter().map(ToString::to_string).collect();
+                for link in ["same_as", "motor", "gear", "fits", "only_inside", "family"] {
+                    if let Some(at) = place(link) {
+                        cells[at].clear();
+                    }
+                }
+                let read = |cells: &[String]| {
+                    let mut table = csv::Writer::from_writer(Vec::new());
+                    table.write_record(&head).unwrap();
+                    table.write_record(cells).unwrap();
+                    let own = String::from_utf8(table.into_inner().unwrap()).unwrap();
+                    let more = if kind == "gears" { drive.as_str() } else { gear };
+                    let files = vec![Arc::new(Source::new("a.csv", own)), Arc::new(Source::new("b.csv", more))];
+                    let catalog = Catalog::from_sources(files).ok()?;
+                    Some(match kind {
+                        "modules" => catalog.with_modules([&"*".to_string()].into_iter(), |m| m),
+                        _ => catalog,
+                    })
+                };
+                let id = if kind == "gears" { "m".to_string() } else { cells[place("id").unwrap()].clone() };
+                let of = |cells: &[String]| seen(&robot, &read(cells)?, &id);
+                let Some([whole, _]) = of(&cells) else { continue };
+                for at in (0..cells.len()).filter(|at| head[*at].contains('[') && !cells[*at].is_empty()) {
+                    let mut less = cells.clone();
+                    less[at].clear();
+                    // An entry that cannot be read, or not be used at all, is refused by name.
+                    let Some([_, left]) = of(&less) else { continue };
+                    blanked += 1;
+                    // Up to the printed no-load speed a motor's own maximum is known to be kept, and a row that prints neither says nothing.
+                    let is_kept = |name: &String| name == "max_speed" && head[at].starts_with("max_speed");
+                    let gone: Vec<&String> = whole.difference(&left).filter(|name| !is_kept(name)).collect();
+                    if !gone.is_empty() {
+                        vanished.push(format!("{id}, {}: {gone:?}", &head[at]));
+                    }
+                }
+            }
+        }
+    }
+    assert!(vanished.is_empty(), "{} of {blanked}:\n{}", vanished.len(), vanished[..vanished.len().min(60)].join("\n"));
+    assert!(blanked as f64 > 3000.0 * share(), "{blanked}");
+    assert!(LIMITS.len() > 30);
+}
+
+/// Text of a fitted actuator with more in `[motor]` and effects.
+fn fitted(motor: &str, more: &str) -> Catalog {
+    let text = format!(
+        "gearwise = '0.1.0'\nentry = 'bench-496660'\n[motor]\nid = 'bench-496660-fitted'\nresistance = '0.1 ohm'\ntorque_constant = '0.1 N*m/A'\nterminals = 'q_axis'\ncurrent = 'q_axis'\nrotor_inertia = '1e-5 kg*m^2'\ncontinuous_current = '50 A'\nmass = '0.2 kg'\nsource = 's'\nsource_kind = 'measured'\n{motor}\n{more}"
+    );
+    let gear = "id,kind,ratio,efficiency,fits,source,source_kind\ng,planetary,10,0.9,*-496660,s,derived\nother,planetary,10,0.9,*-1234,s,derived\n";
+    let files = vec![Arc::new(Source::new("fit.toml", text)), Arc::new(Source::new("g.csv", gear))];
+    Catalog::from_sources(files).unwrap_or_else(|e| panic!("{}", e[0]))
+}
+
+#[test]
+fn a_fitted_actuator_keeps_the_gears_and_the_friction_of_its_machine() {
+    let cogging = "[[effects.cogging]]\norder = 12\ncosine = '0.001 N*m'\nsine = '0 N*m'\n";
+    let catalog = fitted("no_load_current = '1 A'\nno_load_speed = '300 rad/s'\n", cogging);
+    let points = "{ torque = '1 N*m', speed = '20 rad/s', duration = '1 s' }";
+    let robot = robot(&format!(
+        "name = 'x'\nbus = {{ voltage = '48 V' }}\n[[joint]]\nname = 'j'\ngears = ['*']\nobjective = 'copper_loss'\npoints = [{points}]\n"
+    ));
+    let found = optimize(&robot, &catalog);
+    let gears: Vec<_> = found.joints[0].candidates.iter().filter_map(|design| design.gear).collect();
+    assert_eq!(gears, ["g"]);
+    let losses = found.joints[0].candidates[0].evaluation.losses;
+    // K_T I_0 = 0.1 N·m at 200 rad/s, all Coulomb at one end.
+    assert_relative_eq!(losses.motor_drag, 20.0, max_relative = 1e-9);
+}
+
+#[test]
+fn torque_beyond_what_the_iron_gives_cannot_be_had() {
+    // T = K_T i − k (i − i_s tanh(i/i_s)) with k = K_T ends at K_T i_s = 2 N·m.
+    let effect = "[effects.torque_constant_saturation]\nslope = '0.1 N*m/A'\ncurrent = '20 A'\n";
+    let catalog = fitted("", effect);
+    let of = |torque: f64| {
+        let robot = joint(
+            "voltage = '400 V'",
+            "",
+            &format!("{{ torque = '{torque} N*m', speed = '1 rad/s', duration = '1 s' }}"),
+        );
+        let load = Load::new(&robot.joints[0].motion, None);
+        Mount::new(&robot, &robot.joints[0], &load, &catalog.motors[0]).prepared().unwrap().at(10.0).feasible
+    };
+    assert_eq!((of(19.0), of(20.2)), (true, false));
 }

@@ -15,7 +15,7 @@ use gearwise::design::{Mount, Prepared};
 use gearwise::input::Source;
 use gearwise::requirement::{self, Course, Robot, Spring};
 
-use crate::raw::draw;
+use crate::raw::{self, draw};
 
 /// A row of a strain wave gear of 50:1 with further columns.
 fn row(columns: &str, cells: &str) -> String {
@@ -487,7 +487,8 @@ fn demands_are_those_of_the_waveforms() {
         let timed = || case.raw.iter().zip(&case.shares);
         let mean = |f: &dyn Fn(&requirement::Point) -> f64| timed().map(|(p, share)| share[0] * f(p)).sum::<f64>();
         let (wear, speed) = (mean(&|p| p.velocity.abs() * p.torque.abs().powi(3)), mean(&|p| p.velocity.abs()));
-        let at_rest: f64 = timed().map(|(_, share)| share[1]).sum();
+        let motion = &case.robot.joints[0].motion;
+        let at_rest: f64 = raw::shares(&case.raw, &motion.time, motion.course).iter().map(|share| share[1]).sum();
         let peak = case.raw.iter().map(|p| p.torque.abs()).fold(0.0, f64::max);
         let joint = &case.robot.joints[0];
         let load = Load::new(&joint.motion, joint.ripple());

@@ -618,6 +618,7 @@ fn quick_looks_at_the_windings_temperature_are_true_and_sharp() {
             time_constant_housing: 60.0,
             ambient: case.robot.ambient,
             reference: case.motor.reference_temperature,
+            phases: false,
         };
         let (peak, sample) = load.winding_peak(&actuator, &node, n);
         assert!(sample.is_some_and(|s| s < joint.motion.len()));
@@ -802,6 +803,8 @@ fn cuts_of_the_windings_temperature_touch_and_stay_below() {
                 time_constant_housing: 20.0 * duration,
                 ambient: case.robot.ambient,
                 reference: case.motor.reference_temperature,
+                // Its heat over periods is followed below without the phases.
+                phases: false,
             };
             let peak = |n: f64| load.winding_peak(&actuator, &node, n).0;
             let cut = load.winding_peak_cut(&actuator, &node, n, bound);
@@ -839,8 +842,13 @@ fn cuts_of_the_windings_temperature_touch_and_stay_below() {
                 let times: Vec<f64> =
                     (0..periods).flat_map(|k| joint.motion.time.iter().map(move |t| t + k as f64 * duration)).collect();
                 let heat: Vec<f64> = (0..periods).flat_map(|_| heat.iter().copied()).collect();
-                let course =
-                    Heat { times: &times, period_or_duration: periods as f64 * duration, heat: &heat, settling: &[] };
+                let course = Heat {
+                    times: &times,
+                    period_or_duration: periods as f64 * duration,
+                    heat: &heat,
+                    settling: &[],
+                    phase: &[],
+                };
                 node.from_cold(&course).peak - node.ambient
             };
             let mut periods = 1;
@@ -889,14 +897,16 @@ fn the_envelope_is_where_its_functional_meets_the_bound() {
                 let poles = motor.inductance_and_poles().map_or(0.0, |(l, p)| l * p);
                 let asked = joint.limits.winding_temperature;
                 let hot = motor.resistance * raw::hottest_factor(motor, asked);
-                let v_q = hot * current + motor.emf_constant() * n * speed;
+                let cold = motor.resistance * raw::ambient_factor(motor, case.robot.ambient);
+                let v_q = |r: f64| r * current + motor.emf_constant() * n * speed;
                 let v_d = poles * n * speed * current;
+                let most = v_q(hot).abs().max(v_q(cold.min(hot)).abs());
                 let work = motor.emf_constant() * n * speed * current;
                 match functional {
                     Functional::TorqueSquared | Functional::CurrentSquared => (current * motor.torque_constant).powi(2),
-                    Functional::VoltageSquared => v_q * v_q + v_d * v_d,
+                    Functional::VoltageSquared => most * most + v_d * v_d,
                     Functional::Power => hot * current * current + work,
-                    Functional::PowerBack => -(motor.resistance * current * current + work),
+                    Functional::PowerBack => -(cold * current * current + work),
                     Functional::OpenVoltage(_) | Functional::LeastVoltage(_) => {
                         unreachable!("no parabola of the torque")
                     }

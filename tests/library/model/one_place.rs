@@ -10,6 +10,7 @@ use crate::common::repository;
 /// A quantity that an objective is made of is minimised by the ratio program (with a spring, by its program) and
 /// evaluated for a design: one that the program does not know would be certified at any ratio.
 #[test]
+#[ignore = "long: `.ci/cases` runs it"]
 fn every_quantity_of_an_objective_is_minimised_as_it_is_evaluated() {
     let mut catalog = Catalog::builtin().unwrap();
     catalog.motors.retain(|m| ["t-motor-u8-lee", "mit-mini-cheetah"].contains(&m.id.as_str()));

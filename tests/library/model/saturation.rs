@@ -65,6 +65,67 @@ fn the_curve_goes_through_the_one_point_of_the_row() {
     assert_relative_eq!(wound.saturation_current().unwrap(), 2.0 * i_s, max_relative = 1e-9);
 }
 
+/// A sheet that prints its peak torque at a deviation from linearity gives the point by itself: 4.56 N·m at 20 % are 57 A.
+#[test]
+fn the_printed_linearity_is_the_point() {
+    let motor = common::motor(&[
+        ("resistance [ohm]", "0.05"),
+        ("torque_constant [N*m/A]", "0.1"),
+        ("rotor_inertia [kg*m^2]", "1e-12"),
+        ("peak_torque [N*m]", "4.56"),
+        ("peak_torque_linearity [1]", "0.8"),
+    ]);
+    let i_s = 57.0 / argument(0.8);
+    for torque in [4.55_f64, 2.0] {
+        let current = i_s * (torque / (0.1 * i_s)).atanh();
+        look(&motor, torque, |prepared| {
+            assert_relative_eq!(prepared.at(1.0).peak_current, current, max_relative = 1e-9);
+        });
+    }
+    look(&motor, 4.56 * 0.999_999, |prepared| {
+        assert_relative_eq!(prepared.at(1.0).peak_current, 57.0, max_relative = 1e-4)
+    });
+    let catalog = gearwise::catalog::Catalog::builtin().unwrap();
+    assert_eq!(catalog.motors.iter().filter(|m| m.saturation_current().is_some()).count(), 24);
+}
+
+/// A peak torque without a current or a linearity leaves an interval: said near that torque, and not decided where a drive's current is in it.
+#[test]
+fn a_peak_torque_without_its_current_is_an_interval() {
+    let row = [
+        ("resistance [ohm]", "0.05"),
+        ("torque_constant [N*m/A]", "0.1"),
+        ("rotor_inertia [kg*m^2]", "1e-12"),
+        ("peak_torque [N*m]", "4.56"),
+    ];
+    let found = |cells: &[(&str, &str)], torque: f64, drive: Option<f64>| {
+        let motor = common::motor(cells);
+        let mut robot = common::robot(common::hold(torque, 1.0, 0.0), GearModel::IDEAL);
+        robot.joints[0].ratio = RatioChoice::Listed { values: vec![1.0], step: None, teeth: None };
+        // An amplitude; currents of the model are power-invariant q-axis currents.
+        robot.joints[0].drive_current = drive.map(|current| current / 1.5_f64.sqrt());
+        let joint = &robot.joints[0];
+        let load = Load::new(&joint.motion, None);
+        let prepared = Prepared::new(Mount::new(&robot, joint, &load, &motor).candidate().unwrap());
+        let judged = prepared.judged(1.0);
+        let names = |of: &[(&str, &str)]| of.iter().any(|(name, _)| *name == "torque_linearity");
+        (names(&judged.assumed), names(&judged.unchecked))
+    };
+    // At 4 N·m: 40 A in a straight line, i_s artanh(T/(K_T i_s)) = 46.5 A of a curve through 57 A at 4.56 N·m.
+    let i_s = 57.0 / argument(0.8);
+    let bent = i_s * (4.0 / (0.1 * i_s)).atanh();
+    assert_eq!(found(&row, 4.0, None), (true, false));
+    assert_eq!(found(&row, 4.0, Some(bent * 1.001)), (true, false));
+    assert_eq!(found(&row, 4.0, Some(bent * 0.999)), (false, true));
+    // Exceeded in a straight line as well.
+    assert_eq!(found(&row, 4.0, Some(39.0)), (true, false));
+    // A third of the peak torque is linear to 2 %, and a row with either number needs no interval.
+    assert_eq!(found(&row, 1.5, Some(15.1)), (false, false));
+    for more in [("peak_torque_linearity [1]", "0.8"), ("peak_current [A]", "57")] {
+        assert_eq!(found(&[&row[..], &[more]].concat(), 4.0, None), (false, false), "{more:?}");
+    }
+}
+
 /// A peak torque of a module has the gear's loss in it, an empty cell says nothing, half a per cent is rounding, and what logs
 /// say of the iron counts alone: no saturation there, and none under *assumed*.
 #[test]

@@ -22,7 +22,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
 
-use crate::cases::{are_all, cases};
+use crate::cases::{are_all, long_cases};
 use crate::raw::{Case, LIMITS, Scan, draw};
 use crate::solved::{self, Solved};
 
@@ -185,12 +185,12 @@ pub(super) fn run(cases: std::ops::Range<u64>, convex: bool, limits: usize, draw
 
 #[test]
 fn convex_programs_agree_with_a_scan_of_the_raw_waveforms() {
-    run(cases(0, 1400), true, 20, |i| draw(i, true));
+    run(long_cases(0, 1400), true, 20, |i| draw(i, true));
 }
 
 #[test]
 fn other_programs_agree_with_a_scan_of_the_raw_waveforms() {
-    run(cases(100_000, 700), false, 21, |i| draw(i, false));
+    run(long_cases(100_000, 700), false, 21, |i| draw(i, false));
 }
 
 /// A joint whose motor says its drag by one torque without load, or by an estimate; with a gear that takes some without
@@ -234,7 +234,7 @@ pub(super) fn dragged(i: u64) -> Case {
 /// Motor drag between two ends, all losses, friction of gears: verdicts, windows, best ratio, objective and every margin.
 #[test]
 fn programs_with_drag_between_two_ends_agree_with_a_scan_of_the_raw_waveforms() {
-    run(cases(200_000, 1200), false, 18, dragged);
+    run(long_cases(200_000, 1200), false, 18, dragged);
 }
 
 /// A joint on a supply with a resistance: with leads of its own, a bus that may rise, a brake, what comes back kept in part or
@@ -282,7 +282,7 @@ pub(super) fn supplied(i: u64) -> Case {
 /// A supply that sags and what it makes of power that comes back: verdicts, windows, best ratio, objective and every margin.
 #[test]
 fn programs_on_a_supply_that_sags_agree_with_a_scan_of_the_raw_waveforms() {
-    run(cases(400_000, 800), false, 18, supplied);
+    run(long_cases(400_000, 800), false, 18, supplied);
 }
 
 /// A joint with a brushless motor of which what couples across is `low` to `high` of its back-EMF at the middle ratio; what that
@@ -324,7 +324,7 @@ fn weakened(i: u64) -> Case {
 /// magnets found by halving at every sample.
 #[test]
 fn programs_with_a_weakened_field_agree_with_a_scan_of_the_raw_waveforms() {
-    run(cases(500_000, 160), false, 15, weakened);
+    run(long_cases(500_000, 160), false, 15, weakened);
 }
 
 /// A joint whose drive burns what comes back beyond what the bus takes by a current along d.
@@ -344,7 +344,7 @@ fn burned(i: u64) -> Case {
 /// computed at every sample.
 #[test]
 fn programs_with_flux_braking_agree_with_a_scan_of_the_raw_waveforms() {
-    run(cases(600_000, 160), false, 12, burned);
+    run(long_cases(600_000, 160), false, 12, burned);
 }
 
 /// Parts of constant heat are the model's own approximation: here heat is linear between samples, the
@@ -411,7 +411,7 @@ fn of_the_ratios_that_can_be_judged_the_best_is_the_choice() {
         (part, moved)
     };
     let cases: Vec<(u64, bool)> =
-        cases(0, 1600).map(|i| (i, true)).chain(cases(100_000, 300).map(|i| (i, false))).collect();
+        long_cases(0, 1600).map(|i| (i, true)).chain(long_cases(100_000, 300).map(|i| (i, false))).collect();
     let found: Vec<(bool, bool)> = cases.into_par_iter().map(look).collect();
     let (part, moved) = (found.iter().filter(|f| f.0).count(), found.iter().filter(|f| f.1).count());
     println!("{part} can be judged in part, {moved} have a better ratio that cannot");

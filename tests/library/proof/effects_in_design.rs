@@ -23,6 +23,7 @@ use gearwise::report::remake as report;
 use gearwise::requirement::*;
 use rayon::prelude::*;
 
+use crate::cases::quarter;
 use crate::raw::{self, Case, draw};
 use crate::solved;
 
@@ -185,9 +186,12 @@ fn own(case: &Case, n: f64) -> Own {
     let r_hot = r * raw::hottest_factor(motor, joint.limits.winding_temperature);
     let brushless = motor.conventions.commutation == Commutation::Brushless;
     let (l, poles) = (motor.inductance.unwrap_or(0.0), motor.pole_pairs.filter(|_| brushless).unwrap_or(0));
+    // Or at ambient, with cold magnets.
+    let r_cold = (r * raw::ambient_factor(motor, robot.ambient)).min(r_hot);
     let voltage = |p: &Point, s: f64| {
-        let v_q = (r_hot * torque(p, s) + l * rate(p, s)) / k + k_b * n * p.velocity;
-        v_q.hypot(f64::from(poles) * n * p.velocity * l * torque(p, s) / k)
+        let v_q = |per_torque: f64| per_torque * torque(p, s) + l * rate(p, s) / k + k_b * n * p.velocity;
+        let most = v_q(r_hot / k).abs().max(v_q(r_cold / motor.torque_constant).abs());
+        most.hypot(f64::from(poles) * n * p.velocity * l * torque(p, s) / k)
     };
     let power = |p: &Point, s: f64| r_hot * (torque(p, s) / k).powi(2) + k_b * n * p.velocity * torque(p, s) / k;
     let magnitude = |p: &Point, s: f64| torque(p, s).abs();
@@ -300,7 +304,7 @@ fn objective(case: &Case, own: &Own) -> f64 {
 /// The best ratio of the program against the best of many, and its certificate.
 #[test]
 fn the_best_ratio_is_the_best_of_many() {
-    let counted: Vec<(bool, bool, Vec<String>)> = (1000..1150_u64)
+    let counted: Vec<(bool, bool, Vec<String>)> = quarter(1000, 150)
         .into_par_iter()
         .map(|i| {
             let case = with_effects(i, i % 2 == 0);
@@ -360,7 +364,7 @@ fn the_best_ratio_is_the_best_of_many() {
     let feasible = counted.iter().filter(|c| !c.0).count();
     println!("{} cases, {feasible} feasible", counted.len());
     assert!(wrong.is_empty(), "{} disagree:\n{wrong:#?}", wrong.len());
-    assert!(feasible > 40, "{feasible} feasible");
+    assert!(4 * feasible > counted.len(), "{feasible} feasible");
 }
 
 /// Two cases that must come to the same at every ratio.

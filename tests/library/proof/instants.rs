@@ -160,6 +160,10 @@ fn no_instant_of_the_declared_spline_exceeds_what_is_reported() {
         robot.bus.power = Some(1e6);
         robot.bus.regeneration = gearwise::requirement::Regeneration::Limited(1e6);
         let dense = dense(&torque, &velocity, period);
+        // Copper at ambient over that at the reference, which the hottest winding has.
+        let (zero, hot) = (293.15, motor.reference_temperature);
+        let line = |kelvin: f64| 1.0 + 0.003_93 * (kelvin - zero);
+        let cold = line(robot.ambient) / line(hot);
         for ratio in [2.0, 8.0, 30.0] {
             let evaluation = evaluate(&robot, &motor, ratio);
             // The terms at some φ: φ τ/N, N J α, φ τ̇/N, N J j, N ω.
@@ -172,9 +176,10 @@ fn no_instant_of_the_declared_spline_exceeds_what_is_reported() {
                 let phi = if braking { gear.backdrive_efficiency } else { 1.0 / gear.efficiency };
                 let [load, own, rate, jerk, speed] = terms(t, phi);
                 let shaft = load + own;
-                let quadrature = 10.0 * shaft + 0.01 * (rate + jerk) + 0.1 * speed;
-                let power = 100.0 * shaft * shaft + speed * shaft;
-                [shaft.abs() / 0.1, quadrature.hypot(0.07 * speed * shaft), power, -power]
+                let quadrature = |winding: f64| 10.0 * winding * shaft + 0.01 * (rate + jerk) + 0.1 * speed;
+                let power = |winding: f64| 100.0 * winding * shaft * shaft + speed * shaft;
+                let most = quadrature(1.0).abs().max(quadrature(cold).abs());
+                [shaft.abs() / 0.1, most.hypot(0.07 * speed * shaft), power(1.0), -power(cold)]
             };
             let (mut most, mut largest) = ([0.0_f64; 4], [0.0_f64; 5]);
             for t in &dense {
@@ -342,6 +347,7 @@ fn choice(file: &str, look: impl FnOnce(&Robot, String, serde_json::Value)) {
     let result = optimize(&robot, &catalog);
     let shown = report::optimize::text(
         &result,
+        &[],
         &[],
         report::optimize::Shown { top: 3, rejected: false, why: false, full: true },
     );

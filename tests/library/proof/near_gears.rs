@@ -88,6 +88,7 @@ fn by_hand(robot: &Robot, joint: usize, catalog: &Catalog, design: &Design) -> V
 /// All shipped gears and motors on the joints of a quadruped: the pair is that of `sweep`, bit for bit, and the order that of
 /// a look at every gear.
 #[test]
+#[ignore = "long: `.ci/cases` runs it"]
 fn a_gear_near_by_is_the_pair_of_sweep_and_none_better_is_left_out() {
     let catalog = Catalog::builtin().unwrap();
     let mut robot = read(&repository("requirements/quadruped_mini_cheetah.toml")).unwrap();

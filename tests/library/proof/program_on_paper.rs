@@ -396,6 +396,7 @@ fn least_mass_takes_the_least_loss_of_its_stages() {
 /// Where what is allowed is a hair from what is asked at most, the window has a gap that is narrower than any grid; where
 /// it is a hair above what is asked at least, it is a window as narrow. The ends are where the raw demand meets the bound.
 #[test]
+#[ignore = "long: `.ci/cases` runs it"]
 fn gaps_and_windows_narrower_than_the_grid_are_seen() {
     let back = |case: &Case, n: f64| case.look(n).limits.iter().find(|l| l.0 == "regeneration").unwrap().1;
     let watt = |case: &Case, n: f64| case.look(n).limits.iter().find(|l| l.0 == "bus_power").unwrap().1;

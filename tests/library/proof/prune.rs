@@ -185,6 +185,7 @@ fn the_output_says_what_was_not_solved() {
     let text = report::optimize::text(
         &result,
         &[],
+        &[],
         report::optimize::Shown { top: 1, rejected: false, why: false, full: true },
     );
     assert!(text.contains(&format!("Not solved: {} motors", left[0])), "{text}");

@@ -77,10 +77,10 @@ impl Interval {
     }
 }
 
-/// One sample: torque and quadrature voltage as planes, and the output's speed.
+/// One sample: torque and quadrature voltage of the hottest and of the coldest winding as planes, and the output's speed.
 struct Sample {
     torque: Plane,
-    voltage: Plane,
+    voltage: [Plane; 2],
     speed: f64,
     share: [f64; 2],
 }
@@ -94,6 +94,7 @@ struct Problem<'a> {
     rippled: Vec<Sample>,
     copper: f64,
     hot_copper: f64,
+    cold_copper: f64,
     emf: f64,
     cross: f64,
     inertia: f64,
@@ -130,15 +131,20 @@ impl<'a> Problem<'a> {
         let poles = motor.pole_pairs.filter(|_| brushless).map_or(0.0, f64::from);
         let (l, j) = (inductance.unwrap_or(0.0), motor.rotor_inertia? + gear.inertia);
         let (b, c) = (motor.viscous_friction.unwrap_or(0.0), motor.coulomb_friction.unwrap_or(0.0));
-        // Voltage and power taken see the winding at its hottest.
+        // Power taken sees the winding at its hottest, power returned one at ambient temperature, and the voltage both.
         let r_hot = r * raw::hottest_factor(motor, asked.winding_temperature);
+        let warmer = case.robot.ambient - motor.reference_temperature;
+        let r_cold = r_hot.min(r * (1.0 + raw::copper(motor.reference_temperature) * warmer));
         let passed =
             |p: &Point| if p.torque * p.velocity < 0.0 { gear.backdrive_efficiency } else { 1.0 / gear.efficiency };
         let sample = |p: &Point, share: [f64; 2], rubs: f64, phi: f64| {
             let torque = [phi * p.torque, j * p.acceleration + b * p.velocity, rubs];
             let rate = [phi * p.torque_rate, j * p.jerk + b * p.acceleration, 0.0];
-            let mut voltage = add(torque.map(|x| x * r_hot / k_t), rate, l / k_t);
-            voltage[1] += motor.emf_constant() * p.velocity;
+            let voltage = [r_hot, r_cold].map(|r| {
+                let mut voltage = add(torque.map(|x| x * r / k_t), rate, l / k_t);
+                voltage[1] += motor.emf_constant() * p.velocity;
+                voltage
+            });
             Sample { torque, voltage, speed: p.velocity, share }
         };
         let ways = |p: &Point| match p.velocity {
@@ -213,6 +219,7 @@ impl<'a> Problem<'a> {
             rippled: every(&case.rippled),
             copper: r / (k_t * k_t),
             hot_copper: r_hot / (k_t * k_t),
+            cold_copper: r_cold / (k_t * k_t),
             emf: motor.emf_constant() / k_t,
             cross: poles * l / k_t,
             inertia: j,
@@ -257,7 +264,7 @@ impl<'a> Problem<'a> {
                 && list.iter().any(|s| {
                     let d = self.cross * s.speed;
                     let direct = on.square_of_quadratic([d * s.torque[0], d * s.torque[2], d * s.torque[1]]);
-                    on.least(add(on.square(s.voltage, 1.0), direct, 1.0)) > bound * bound
+                    s.voltage.iter().any(|own| on.least(add(on.square(*own, 1.0), direct, 1.0)) > bound * bound)
                 })
         };
         let mean = |at_rest: f64| {
@@ -269,7 +276,7 @@ impl<'a> Problem<'a> {
             || voltage(&self.most, b.voltage)
             || voltage(&self.rippled, b.rippled_voltage)
             || b.power < NONE && self.most.iter().any(|s| on.least(self.power(on, s, 1.0, self.hot_copper)) > b.power)
-            || b.back < NONE && self.most.iter().any(|s| on.least(self.power(on, s, -1.0, self.copper)) > b.back)
+            || b.back < NONE && self.most.iter().any(|s| on.least(self.power(on, s, -1.0, self.cold_copper)) > b.back)
             || b.rms < NONE && mean(0.0) > b.rms * b.rms
             || b.holding < NONE && mean(b.own) > b.holding * b.holding
             || self.mass(on.b) > b.mass && self.mass(on.a * (1.0 + 1e-9)) > b.mass

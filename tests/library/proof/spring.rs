@@ -51,7 +51,9 @@ impl Case {
         assert!(motor.max_winding_temperature.is_none() && motor.thermal_resistance.is_none());
         // 100 °C where nothing says it.
         let t = hottest.unwrap_or(373.15);
-        let r_hot = r * (1.0 + (t - t_0) / (1.0 / 0.003_93 + t_0 - 293.15));
+        let at = |t: f64| r * (1.0 + (t - t_0) / (1.0 / 0.003_93 + t_0 - 293.15));
+        // The voltage is that of the hottest or of the coldest winding.
+        let (r_hot, r_cold) = (at(t), at(self.robot.ambient).min(at(t)));
         let j = motor.rotor_inertia.unwrap() + gear.inertia;
         let (b, c) = (motor.viscous_friction.unwrap_or(0.0), motor.coulomb_friction.unwrap_or(0.0));
         let count = raw.time.len();
@@ -68,7 +70,8 @@ impl Case {
             let t = phi * tau / n + n * (j * alpha + b * omega) + c * omega.signum();
             let t_rate = phi * rate / n + n * (j * jerk + b * alpha);
             let i = t / k_t;
-            let v_q = r_hot * i + l * t_rate / k_t + motor.emf_constant() * n * omega;
+            let [v_hot, v_cold] = [r_hot, r_cold].map(|r| r * i + l * t_rate / k_t + motor.emf_constant() * n * omega);
+            let v_q = v_hot.abs().max(v_cold.abs());
             let v_d = poles * n * omega * l * i;
             let work = motor.emf_constant() * n * omega * i;
             let (power, taken) = (r * i * i + work, r_hot * i * i + work);
@@ -88,7 +91,7 @@ impl Case {
             let parts = [r * i * i, (phi - 1.0) * tau * omega, speed * (c + b * speed), from_bus - power];
             lost += share * parts.iter().sum::<f64>();
             (peak, volt, out) = (peak.max(i.abs()), volt.max(v_q.hypot(v_d)), out.max(tau.abs()));
-            (watt, back) = (watt.max(taken), back.max(-power));
+            (watt, back) = (watt.max(taken), back.max(-(r_cold * i * i + work)));
         }
         let inertia = n * n * j;
         let mut excess = f64::MIN;

@@ -27,6 +27,9 @@ const POINTS: [usize; 5] = [0, 400, 60, 16, 9];
 /// A case is too close to call where a limit is met to this accuracy.
 const CLOSE: f64 = 1e-6;
 
+/// What is counted of an actuator at a sample \[W\].
+type Counts<'f> = &'f dyn Fn(&Actuator, usize) -> f64;
+
 /// Value, and excess over the limits.
 type Point = (f64, f64);
 
@@ -71,16 +74,30 @@ impl Actuator<'_> {
         self.shaft(k).0 / self.motor.torque_constant
     }
 
-    /// Power from the bus at a sample.
+    /// Resistance of a winding at ambient temperature; the reference temperature is the highest.
+    fn cold(&self) -> f64 {
+        let reference = self.motor.reference_temperature;
+        self.motor.resistance * (1.0 + (self.robot.ambient - reference) / (1.0 / 0.003_93 + reference - 293.15))
+    }
+
+    /// Power from the bus at a sample, with the winding at its hottest.
     fn power(&self, k: usize) -> f64 {
+        self.power_with(k, self.motor.resistance)
+    }
+
+    fn power_with(&self, k: usize, resistance: f64) -> f64 {
         let (i, speed) = (self.current(k), self.shaft(k).1);
-        let terminal = self.motor.resistance * i * i + self.motor.emf_constant() * speed * i;
+        let terminal = resistance * i * i + self.motor.emf_constant() * speed * i;
         let eta = self.robot.bus.drive_efficiency;
         if terminal > 0.0 { terminal / eta } else { terminal * eta }
     }
 
-    fn voltage(&self, k: usize) -> f64 {
-        (self.motor.resistance * self.current(k) + self.motor.emf_constant() * self.shaft(k).1).abs()
+    fn voltage(&self, k: usize, resistance: f64) -> f64 {
+        (resistance * self.current(k) + self.motor.emf_constant() * self.shaft(k).1).abs()
+    }
+
+    fn windings(&self) -> [f64; 2] {
+        [self.motor.resistance, self.cold()]
     }
 
     /// The samples at which its actuators are at an instant, each with how many are there.
@@ -107,7 +124,8 @@ impl Actuator<'_> {
         let volt = self.robot.bus.voltage * 0.5_f64.sqrt();
         let over = |k: usize| {
             // On a supply that sags it is looked at for all together.
-            let voltage = if self.robot.bus.internal_resistance.is_some() { 0.0 } else { self.voltage(k) / volt };
+            let [hot, cold] = self.windings().map(|r| self.voltage(k, r));
+            let voltage = if self.robot.bus.internal_resistance.is_some() { 0.0 } else { hot.max(cold) / volt };
             (self.current(k).abs() / self.motor.peak_current.unwrap()).max(voltage) - 1.0
         };
         samples.map(over).fold(f64::NEG_INFINITY, f64::max)
@@ -183,12 +201,14 @@ impl Case {
 
     /// What all draw together at the worst instant; joints of other periods at their worst.
     fn power(&self, actuators: &[Actuator]) -> f64 {
-        self.periods(actuators).into_iter().map(|period| self.worst(actuators, period, &|watt| watt)).sum()
+        self.periods(actuators).into_iter().map(|period| self.worst(actuators, period, &|a, k| a.power(k))).sum()
     }
 
-    /// What comes back from all at the worst instant, less what others draw then; joints of other periods at their worst.
+    /// What comes back from all at the worst instant with windings at ambient temperature, less what others draw then; joints of other
+    /// periods at their worst.
     fn returned(&self, actuators: &[Actuator]) -> f64 {
-        self.periods(actuators).into_iter().map(|period| self.worst(actuators, period, &|watt| -watt)).sum()
+        let back = |a: &Actuator, k: usize| -a.power_with(k, a.cold());
+        self.periods(actuators).into_iter().map(|period| self.worst(actuators, period, &back)).sum()
     }
 
     fn periods(&self, actuators: &[Actuator]) -> Vec<f64> {
@@ -198,19 +218,19 @@ impl Case {
         periods
     }
 
-    fn at(&self, actuators: &[Actuator], of: f64, instant: usize, counts: &dyn Fn(f64) -> f64) -> f64 {
-        let all = |a: &Actuator| a.places(instant).iter().map(|(k, many)| many * counts(a.power(*k))).sum::<f64>();
+    fn at(&self, actuators: &[Actuator], of: f64, instant: usize, counts: Counts) -> f64 {
+        let all = |a: &Actuator| a.places(instant).iter().map(|(k, many)| many * counts(a, *k)).sum::<f64>();
         actuators.iter().filter(|a| period(a) == of).map(all).sum()
     }
 
-    fn worst(&self, actuators: &[Actuator], of: f64, counts: &dyn Fn(f64) -> f64) -> f64 {
+    fn worst(&self, actuators: &[Actuator], of: f64, counts: Counts) -> f64 {
         (0..SAMPLES).map(|k| self.at(actuators, of, k, counts)).fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// By how much a drive asks for more voltage than a supply with a resistance leaves it, the bus found by iteration: every drive at
     /// every instant of its period, the others without what they give back, those of other periods at their worst.
     fn sag(&self, actuators: &[Actuator], resistance: f64) -> f64 {
-        let (open, taken) = (self.robot.bus.voltage, |watt: f64| watt.max(0.0));
+        let (open, taken) = (self.robot.bus.voltage, |a: &Actuator, k: usize| a.power(k).max(0.0));
         let mut worst = f64::NEG_INFINITY;
         for of in self.periods(actuators) {
             let elsewhere: f64 =
@@ -219,11 +239,13 @@ impl Case {
                 let here = elsewhere + self.at(actuators, of, instant, &taken);
                 for a in actuators.iter().filter(|a| period(a) == of) {
                     for (k, _) in a.places(instant) {
-                        let own = a.power(k);
-                        let all = here - taken(own) + own;
-                        let needs = a.voltage(k) / 0.5_f64.sqrt();
-                        let short = 4.0 * resistance * all / (open * open) - 1.0;
-                        worst = worst.max(if short > 0.0 { short } else { needs / bus(open, resistance, all) - 1.0 });
+                        for winding in a.windings() {
+                            let all = here - taken(a, k) + a.power_with(k, winding);
+                            let needs = a.voltage(k, winding) / 0.5_f64.sqrt();
+                            let short = 4.0 * resistance * all / (open * open) - 1.0;
+                            let over = if short > 0.0 { short } else { needs / bus(open, resistance, all) - 1.0 };
+                            worst = worst.max(over);
+                        }
                     }
                 }
             }

@@ -148,6 +148,7 @@ fn copied() -> (tempfile::TempDir, PathBuf) {
 }
 
 #[test]
+#[ignore = "long: `.ci/cases` runs it"]
 fn what_is_shown_is_what_optimize_chooses_from_the_saved_file() {
     let (_folder, to) = copied();
     let states: [(&str, Value); 5] = [
@@ -329,6 +330,7 @@ fn each_mistake_stands_at_its_key_and_a_link_applies_what_is_good() {
 }
 
 #[test]
+#[ignore = "long: `.ci/cases` runs it"]
 fn a_state_names_no_files() {
     let secret = tempfile::tempdir().unwrap();
     let file = secret.path().join("secret.csv");
@@ -493,6 +495,7 @@ fn many_pages_take_no_thread_each() {
 }
 
 #[test]
+#[ignore = "long: `.ci/cases` runs it"]
 fn a_page_without_a_program_has_every_answer_in_it() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name).to_str().unwrap().to_string();
@@ -815,6 +818,7 @@ fn what_the_whole_robot_may_draw_is_said_not_to_be_looked_at() {
 }
 
 #[test]
+#[ignore = "long: `.ci/cases` runs it"]
 fn a_motor_that_needs_a_spring_is_looked_at_with_one() {
     let served = Served::shipped("ankle_prosthesis_parallel_spring");
     let spring = "{ stiffness = [\"50 N*m/rad\", \"400 N*m/rad\"], rest_angle = [\"-30 deg\", \"30 deg\"] }";

@@ -216,7 +216,10 @@ fn tolerances_of_a_module_are_those_of_its_row() {
     // 171 to 214.5 rpm are printed of it elsewhere.
     let published = json(&["--alternatives", "worst"]);
     let tolerances = published["joints"][0]["candidates"][0]["tolerances"].as_array().unwrap().clone();
-    let speed = tolerances.iter().find(|t| t["column"] == "no_load_speed").expect("published twice");
+    // That at the flange; the motor inside has one as well, at its own shaft.
+    let speeds = tolerances.iter().filter(|t| t["column"] == "no_load_speed");
+    let speed = speeds.min_by(|a, b| a["value"].as_f64().unwrap().total_cmp(&b["value"].as_f64().unwrap()));
+    let speed = speed.expect("published twice");
     let rpm = std::f64::consts::PI / 30.0;
     let end = |k: usize| speed["published"][k].as_f64().unwrap() / rpm;
     assert!((end(0) - 175.5).abs() < 1e-6 && (end(1) - 214.5).abs() < 1e-6, "{speed}");
@@ -387,6 +390,7 @@ fn a_module_whose_loss_nobody_knows_is_no_end_of_a_balance_and_its_loss_is_not_z
 }
 
 #[test]
+#[ignore = "long: `.ci/cases` runs it"]
 fn a_spring_that_may_be_chosen_does_not_make_modules_impossible() {
     let motion = "time [s],torque [N*m],velocity [rad/s],position [rad]\n0,20,0,0\n0.1,12,2,0.1\n0.2,4,0,0.2\n0.3,12,-2,0.1\n0.4,20,0,0\n";
     let text = |limit: &str, torque: f64| {

@@ -84,6 +84,17 @@ impl Sheet {
         let reverse = |v: &Vec<String>| v.iter().rev().cloned().collect();
         Sheet { header: reverse(&self.header), rows: self.rows.iter().map(reverse).collect() }
     }
+
+    /// Adds the rows of a sheet, and its columns that this one does not have.
+    fn add(&mut self, other: Sheet) {
+        let new = other.header.iter().filter(|column| !self.header.contains(column));
+        self.header.extend(new.cloned().collect::<Vec<String>>());
+        self.rows.iter_mut().for_each(|row| row.resize(self.header.len(), String::new()));
+        let place = |column: &String| other.header.iter().position(|own| own == column);
+        let places: Vec<Option<usize>> = self.header.iter().map(place).collect();
+        let cell = |row: &[String], k: &Option<usize>| k.map_or_else(String::new, |k| row[k].clone());
+        self.rows.extend(other.rows.iter().map(|row| places.iter().map(|k| cell(row, k)).collect::<Vec<String>>()));
+    }
 }
 
 /// A requirement with all that it names, in memory.
@@ -112,10 +123,7 @@ fn motors() -> Sheet {
         let sheet = Sheet::parse(&read(file));
         match &mut all {
             None => all = Some(sheet),
-            Some(all) => {
-                assert_eq!(all.header, sheet.header);
-                all.rows.extend(sheet.rows);
-            }
+            Some(all) => all.add(sheet),
         }
     }
     let mut all = all.unwrap();
@@ -128,14 +136,8 @@ fn motors() -> Sheet {
 fn gears() -> Sheet {
     let of = |file: &str| Sheet::parse(&read(repository("catalogs/gears").join(file)));
     let (planetary, mut all) = (of("qdd.csv"), of("harmonic-drive.csv"));
-    // One file has columns that the other's gears say nothing of.
-    assert!(planetary.header.iter().all(|column| all.header.contains(column)));
     all.rows.truncate(8);
-    let cell = |row: &[String], column: &String| {
-        planetary.header.iter().position(|own| own == column).map_or_else(String::new, |k| row[k].clone())
-    };
-    let rows = planetary.rows.iter().take(8).map(|row| all.header.iter().map(|column| cell(row, column)).collect());
-    all.rows.extend(rows.collect::<Vec<Vec<String>>>());
+    all.add(Sheet { rows: planetary.rows.into_iter().take(8).collect(), ..planetary });
     all
 }
 
@@ -320,6 +322,7 @@ const UNITS: &[(&str, &[(&str, f64)])] = &[
     ("N*m/rad", &[("mN*m/rad", 1e3), ("N*m/deg", TAU / 360.0)]),
     ("arcmin", &[("rad", TAU / 21600.0), ("deg", 1.0 / 60.0)]),
     ("N*m/kg", &[("N*m/g", 1e-3), ("mN*m/kg", 1e3)]),
+    ("1", &[("%", 100.0)]),
 ];
 
 /// A quantity in the unit number `pick` that measures the same.

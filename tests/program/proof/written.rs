@@ -47,6 +47,7 @@ reason = \"no limit of the model bounds it: looked at on the result\"
 ";
 
 #[test]
+#[ignore = "long: `.ci/cases` runs it"]
 fn what_is_written_passes_its_rules() {
     let mut generator = Pcg64::seed_from_u64(1806);
     let mut random = move || (generator.next_u64() >> 11) as f64 * 2.0_f64.powi(-53);

@@ -25,7 +25,7 @@ fn runaway_begins_where_the_spectral_radius_is_one() {
         let period = motor.time_constant_winding * 10.0_f64.powf(rng.random_range(-2.0..1.0));
         let (times, mut q) = random_course(&mut rng, 9, period, 1.0);
         q[4] += 0.1;
-        let heat = Heat { times: &times, period_or_duration: period, heat: &q, settling: &[] };
+        let heat = Heat { times: &times, period_or_duration: period, heat: &q, settling: &[], phase: &[] };
         let scale = begins_to_run_away(&motor, &heat);
         // The same parts, with another exponential.
         let radius = |scale: f64| {
@@ -51,7 +51,7 @@ fn mean_heat(heat: &Heat) -> f64 {
 fn constant_heat_runs_away_exactly_at_the_threshold() {
     for samples in [1, 2, 100] {
         let (times, q) = (grid(samples, 10.0), vec![1.0; samples]);
-        let heat = Heat { times: &times, period_or_duration: 10.0, heat: &q, settling: &[] };
+        let heat = Heat { times: &times, period_or_duration: 10.0, heat: &q, settling: &[], phase: &[] };
         assert_relative_eq!(begins_to_run_away(&MOTOR, &heat), threshold(&MOTOR), max_relative = 1e-11);
     }
 }
@@ -61,7 +61,8 @@ fn pulses_run_away_though_their_mean_would_not() {
     // Ten seconds out of 200 at 17 times the heat of the threshold: 85 % of it on average.
     let pulse = 17.0 * threshold(&MOTOR);
     let times = [0.0, 0.01, 10.0, 10.01];
-    let heat = Heat { times: &times, period_or_duration: 200.0, heat: &[0.0, pulse, pulse, 0.0], settling: &[] };
+    let heat =
+        Heat { times: &times, period_or_duration: 200.0, heat: &[0.0, pulse, pulse, 0.0], settling: &[], phase: &[] };
     let mean = mean_heat(&heat);
     assert_relative_eq!(mean, 0.85 * threshold(&MOTOR), max_relative = 2e-3);
     let r_th = MOTOR.resistance_winding_housing + MOTOR.resistance_housing_ambient;

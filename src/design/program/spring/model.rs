@@ -216,7 +216,7 @@ pub(super) fn functional(
             let shaft = shaft(actuator, sample, region);
             // −T² lies above the chord over the range of T.
             let (low, high) = shaft.range(region);
-            let copper = actuator.loss_given();
+            let copper = actuator.loss_returned();
             let emf = actuator.back_emf_constant / actuator.torque_constant * sample.velocity.abs();
             shaft.add_linear(&mut form, -copper * (low + high), region, z);
             form.add_constant(copper * low * high);
@@ -224,14 +224,22 @@ pub(super) fn functional(
         }
         // Of a weakened field, which springs are not chosen with.
         Functional::LeastVoltage(_) => return None,
-        Functional::VoltageSquared => return voltage_squared(actuator, sample, region, z),
+        Functional::VoltageSquared => {
+            let torque = torque_at(actuator, sample, z);
+            let [hot, cold] = actuator.windings();
+            let at = |winding| voltage_squared_at(winding, sample, torque, z);
+            let winding = if at(&cold) > at(&hot) { cold } else { hot };
+            return voltage_squared(&winding, sample, region, z);
+        }
         Functional::OpenVoltage(supply) => {
-            let (torque, taken) = (torque_at(actuator, sample, z), (actuator, actuator.loss_taken()));
-            let voltage = voltage_squared_at(actuator, sample, torque, z);
-            let [of_voltage, of_power, constant] = supply.row(voltage, power_at(taken, sample, torque, z));
-            add_power(taken, sample, &mut form, of_power, region, z);
+            let torque = torque_at(actuator, sample, z);
+            let [hot, cold] = actuator.windings().map(|winding| (winding, terminals_at(&winding, sample, torque, z)));
+            let needed = |(voltage, power): (f64, f64)| supply.needed(voltage, power);
+            let (winding, (voltage, power)) = if needed(cold.1) > needed(hot.1) { cold } else { hot };
+            let [of_voltage, of_power, constant] = supply.row(voltage, power);
+            add_power((&winding, winding.loss_taken()), sample, &mut form, of_power, region, z);
             if of_voltage > 0.0 {
-                form.add(of_voltage, &voltage_squared(actuator, sample, region, z)?);
+                form.add(of_voltage, &voltage_squared(&winding, sample, region, z)?);
             }
             form.add_constant(constant);
         }
@@ -286,6 +294,12 @@ pub(super) fn torque_at(actuator: &Actuator, sample: &Sample, z: Point) -> f64 {
 pub(super) fn power_at((actuator, copper): (&Actuator, f64), sample: &Sample, torque: f64, z: Point) -> f64 {
     let emf = actuator.back_emf_constant / actuator.torque_constant;
     copper * torque * torque + emf * z[0].sqrt() * sample.velocity * torque
+}
+
+/// `v_q² + v_d²` \[V²\] and power taken \[W\] at a point.
+pub(super) fn terminals_at(actuator: &Actuator, sample: &Sample, torque: f64, z: Point) -> (f64, f64) {
+    let power = power_at((actuator, actuator.loss_taken()), sample, torque, z);
+    (voltage_squared_at(actuator, sample, torque, z), power)
 }
 
 /// `v_q² + v_d²` at a point \[V²\].

@@ -244,7 +244,7 @@ impl<'a> Problem<'a> {
 
     fn heat_row(&self, asked: &Asked, k: usize) -> f64 {
         let candidate = &self.prepared.candidate;
-        candidate.load.share_of_time * (self.motion.weight[k] + asked.standing * self.motion.dwell[k])
+        candidate.load.share_of_time * candidate.load.share(k, asked.standing)
     }
 
     /// The point as the model sees it.
@@ -254,13 +254,14 @@ impl<'a> Problem<'a> {
             .map(|limit| candidate.supply(candidate.joint.limits.reserve(limit)));
         let worst = |actuator: &Actuator, samples: &[Sample], supply: Option<Supply>| {
             let mut best = [(f64::NEG_INFINITY, 0_usize); FUNCTIONALS];
+            let windings = actuator.windings();
             for (i, sample) in samples.iter().enumerate() {
                 let torque = model::torque_at(actuator, sample, z);
-                let power = model::power_at((actuator, actuator.loss_taken()), sample, torque, z);
-                let cold = model::power_at((actuator, actuator.loss_given()), sample, torque, z);
-                let voltage = model::voltage_squared_at(actuator, sample, torque, z);
-                let needed = supply.map_or(f64::NEG_INFINITY, |supply| supply.needed(voltage, power));
-                for (best, value) in best.iter_mut().zip([torque * torque, voltage, power, -cold, needed]) {
+                let [hot, cold] = [0, 1].map(|k| model::terminals_at(&windings[k], sample, torque, z));
+                let needed = supply
+                    .map_or(f64::NEG_INFINITY, |supply| supply.needed(hot.0, hot.1).max(supply.needed(cold.0, cold.1)));
+                let back = -model::power_at((actuator, actuator.loss_returned()), sample, torque, z);
+                for (best, value) in best.iter_mut().zip([torque * torque, hot.0.max(cold.0), hot.1, back, needed]) {
                     if value > best.0 {
                         *best = (value, i);
                     }

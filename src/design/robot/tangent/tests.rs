@@ -82,7 +82,7 @@ fn a_tangent_is_below_the_best_at_every_load_of_its_box() {
         "{ loss = 0.3, peak_current = 1.0, mass = 2.0 }\nreference = { loss = \"1 W\", peak_current = \"1 A\", mass = \"1 kg\" }",
     ];
     let (mut looked, mut near, mut flips, mut priced, mut none) = (0, 0, 0, 0, 0);
-    for case in 0..280 {
+    for case in 0..560 {
         let robot = robot(&mut random, objectives[case % objectives.len()]);
         let joint = &robot.joints[0];
         let directions = carry::directions_of(joint);

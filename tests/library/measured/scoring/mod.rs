@@ -175,6 +175,7 @@ fn is_at_most(share: Share, bound: f64) -> bool {
 }
 
 #[test]
+#[ignore = "long: `.ci/cases` runs it"]
 fn a_tenth_of_the_score() {
     let table = run_all(&crate::cases::quarter(SMALL.0, SMALL.1).collect::<Vec<u64>>());
     let text = table.markdown();
