@@ -30,16 +30,16 @@ make() { # name, then what prints tokens
 }
 
 mkdir -p fuzz/dictionaries
-requirement="words src/requirement/*.rs"
-make catalogue "words src/catalog/*.rs src/actuator/effects/*.rs" "grep -oE '^    [a-z_]+: [A-Z]' src/catalog/sheet.rs | sed -E 's/ +([a-z_]+):.*/\"\1\"/'" units numbers table
+requirement="words crates/model/src/requirement/*.rs"
+make catalogue "words crates/model/src/catalog/*.rs crates/model/src/actuator/effects/*.rs" "grep -oE '^    [a-z_]+: [A-Z]' crates/model/src/catalog/sheet.rs | sed -E 's/ +([a-z_]+):.*/\"\1\"/'" units numbers table
 make requirement "$requirement" units numbers toml
 make solve "$requirement" units numbers toml
-make motion "words src/motion/read.rs" units numbers table
+make motion "words crates/model/src/motion/read.rs" units numbers table
 make rules "words src/rules/*.rs src/rules/registry/*.rs" units numbers toml "printf '\"%s\"\n' '\n== design.lock ==\n'"
-make design "words src/requirement/design_file.rs" "cut -d, -f1 catalogs/motors/*.csv | grep -oE '^[a-z0-9-]+' | sort -u | head -60 | sed 's/.*/\"&\"/'" units numbers toml
-make study "words src/study/file.rs src/study/grid.rs src/requirement/*.rs" units numbers toml
-make urdf "words src/mechanism/urdf.rs src/mechanism/xml.rs" numbers xml
-make mjcf "words src/mechanism/mjcf/*.rs src/mechanism/xml.rs" numbers xml
+make design "words crates/model/src/requirement/design_file.rs" "cut -d, -f1 catalogs/motors/*.csv | grep -oE '^[a-z0-9-]+' | sort -u | head -60 | sed 's/.*/\"&\"/'" units numbers toml
+make study "words src/study/file.rs src/study/grid.rs crates/model/src/requirement/*.rs" units numbers toml
+make urdf "words crates/model/src/mechanism/urdf.rs crates/model/src/mechanism/xml.rs" numbers xml
+make mjcf "words crates/model/src/mechanism/mjcf/*.rs crates/model/src/mechanism/xml.rs" numbers xml
 make bench "words src/measured/read.rs src/measured/read/*.rs src/measured/bench.rs" units numbers toml
 make log "words src/measured/read/table.rs" numbers table
-make mgdb "words src/catalog/import/mgdb.rs src/catalog/import/mgdb/*.rs" numbers table "printf '\"%s\"\n' '\n== a_gearboxes.csv ==\n' '\n== a_compatibility.csv ==\n'"
+make mgdb "words crates/model/src/catalog/import/mgdb.rs crates/model/src/catalog/import/mgdb/*.rs" numbers table "printf '\"%s\"\n' '\n== a_gearboxes.csv ==\n' '\n== a_compatibility.csv ==\n'"

@@ -42,43 +42,34 @@
 //! assert!(knee.evaluation.feasible && knee.optimum.window().min <= knee.optimum.ratio);
 //! ```
 
-pub mod actuator;
+#[cfg_attr(not(feature = "cli"), allow(unused_imports, reason = "files are written by the program alone"))]
+use gearwise_model::output;
+pub use gearwise_model::{actuator, catalog, effects, input, mechanism, motion, requirement, transmission, units};
+#[doc(hidden)]
+pub use gearwise_model::{numerics, words};
+
 #[cfg(feature = "report")]
 #[doc(hidden)]
 pub mod ask;
 #[cfg(test)]
 #[path = "../tests/cases/mod.rs"]
 pub(crate) mod cases;
-pub mod catalog;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod design;
-pub mod effects;
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod explore;
 pub mod hardware;
-pub mod input;
 #[cfg(feature = "measured")]
 pub mod measured;
-pub mod mechanism;
-pub mod motion;
-#[doc(hidden)]
-pub mod numerics;
-#[cfg_attr(not(feature = "cli"), allow(dead_code, reason = "files are written by the program alone"))]
-mod output;
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod pages;
 #[cfg(feature = "report")]
 #[doc(hidden)]
 pub mod report;
-pub mod requirement;
 pub mod rules;
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod study;
-pub mod transmission;
-pub mod units;
-#[doc(hidden)]
-pub mod words;

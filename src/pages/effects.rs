@@ -6,7 +6,7 @@ pub fn text() -> String {
     let mut out = format!(
         "{MADE}# Effects\n\nWhat an actuator can have beyond resistance, inductance, torque constant and inertia. `identify` asks \
          logs for them in this order; a [fitted actuator](formats.md#fitted-actuator-toml) carries them; sweep and ratio program keep \
-         them as said here. Values are by default at the motor; a new effect is one file in `src/effects`.\n\n"
+         them as said here. Values are by default at the motor; a new effect is one file in `crates/model/src/effects`.\n\n"
     );
     let rows = EFFECTS.iter().map(|e| {
         vec![

@@ -575,7 +575,7 @@ fn rows_that_were_added_outlive_the_calls_that_are_killed() {
 
 /// A file that is rewritten all the time is read as one or the other, or refused; as a mixture never. (A writer that
 /// stops half way through a file that it overwrites without cutting it off leaves a mixture that nobody can tell from
-/// a file; what changes in place while it is read is tried in `src/input/file.rs`.)
+/// a file; what changes in place while it is read is tried in `crates/model/src/input/file.rs`.)
 #[test]
 fn a_file_that_changes_is_never_read_as_a_mixture() {
     let desk = Desk::new();
