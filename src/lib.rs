@@ -47,6 +47,7 @@ use gearwise_model::output;
 pub use gearwise_model::{actuator, catalog, effects, input, mechanism, motion, requirement, transmission, units};
 #[doc(hidden)]
 pub use gearwise_model::{numerics, words};
+pub use gearwise_select as design;
 
 #[cfg(feature = "report")]
 #[doc(hidden)]
@@ -56,7 +57,6 @@ pub mod ask;
 pub(crate) mod cases;
 #[cfg(feature = "cli")]
 pub mod cli;
-pub mod design;
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod explore;

@@ -1,6 +1,6 @@
 //! Rules about the robot as a whole, and about the rules file.
 
-use crate::design::robot::{Draws, most_returned, peak_power, sag};
+pub use crate::design::robot::{Draws, most_returned, peak_power, sag};
 use crate::rules::facts::RobotFacts;
 use crate::rules::place::Place;
 use crate::rules::rule::{Remark, Rule, Severity, Test};
