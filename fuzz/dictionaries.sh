@@ -35,11 +35,11 @@ make catalogue "words crates/model/src/catalog/*.rs crates/model/src/actuator/ef
 make requirement "$requirement" units numbers toml
 make solve "$requirement" units numbers toml
 make motion "words crates/model/src/motion/read.rs" units numbers table
-make rules "words src/rules/*.rs src/rules/registry/*.rs" units numbers toml "printf '\"%s\"\n' '\n== design.lock ==\n'"
+make rules "words crates/rules/src/*.rs crates/rules/src/registry/*.rs" units numbers toml "printf '\"%s\"\n' '\n== design.lock ==\n'"
 make design "words crates/model/src/requirement/design_file.rs" "cut -d, -f1 catalogs/motors/*.csv | grep -oE '^[a-z0-9-]+' | sort -u | head -60 | sed 's/.*/\"&\"/'" units numbers toml
 make study "words src/study/file.rs src/study/grid.rs crates/model/src/requirement/*.rs" units numbers toml
 make urdf "words crates/model/src/mechanism/urdf.rs crates/model/src/mechanism/xml.rs" numbers xml
 make mjcf "words crates/model/src/mechanism/mjcf/*.rs crates/model/src/mechanism/xml.rs" numbers xml
-make bench "words src/measured/read.rs src/measured/read/*.rs src/measured/bench.rs" units numbers toml
-make log "words src/measured/read/table.rs" numbers table
+make bench "words crates/identify/src/read.rs crates/identify/src/read/*.rs crates/identify/src/bench.rs" units numbers toml
+make log "words crates/identify/src/read/table.rs" numbers table
 make mgdb "words crates/model/src/catalog/import/mgdb.rs crates/model/src/catalog/import/mgdb/*.rs" numbers table "printf '\"%s\"\n' '\n== a_gearboxes.csv ==\n' '\n== a_compatibility.csv ==\n'"

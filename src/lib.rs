@@ -42,34 +42,31 @@
 //! assert!(knee.evaluation.feasible && knee.optimum.window().min <= knee.optimum.ratio);
 //! ```
 
+#[cfg(feature = "measured")]
+pub use gearwise_identify as measured;
 #[cfg_attr(not(feature = "cli"), allow(unused_imports, reason = "files are written by the program alone"))]
 use gearwise_model::output;
 pub use gearwise_model::{actuator, catalog, effects, input, mechanism, motion, requirement, transmission, units};
 #[doc(hidden)]
 pub use gearwise_model::{numerics, words};
+pub use gearwise_rules as rules;
+pub use gearwise_rules::hardware;
 pub use gearwise_select as design;
 
 #[cfg(feature = "report")]
 #[doc(hidden)]
 pub mod ask;
-#[cfg(test)]
-#[path = "../tests/cases/mod.rs"]
-pub(crate) mod cases;
 #[cfg(feature = "cli")]
 pub mod cli;
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod explore;
-pub mod hardware;
-#[cfg(feature = "measured")]
-pub mod measured;
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod pages;
 #[cfg(feature = "report")]
 #[doc(hidden)]
 pub mod report;
-pub mod rules;
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod study;
