@@ -49,6 +49,9 @@ use gearwise_model::output;
 pub use gearwise_model::{actuator, catalog, effects, input, mechanism, motion, requirement, transmission, units};
 #[doc(hidden)]
 pub use gearwise_model::{numerics, words};
+#[cfg(feature = "report")]
+#[doc(hidden)]
+pub use gearwise_report as report;
 pub use gearwise_rules as rules;
 pub use gearwise_rules::hardware;
 pub use gearwise_select as design;
@@ -64,9 +67,6 @@ pub mod explore;
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod pages;
-#[cfg(feature = "report")]
-#[doc(hidden)]
-pub mod report;
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod study;

@@ -9,7 +9,7 @@ use super::summary::JointSummary;
 use super::{StudyError, Summary, plot};
 use crate::input::InputFile;
 use crate::report::html::{Page, Part, Row, Section, Table, Verdict};
-use crate::report::{counted, number, optional};
+pub use crate::report::{counted, number, optional};
 use crate::words::csv::unguarded;
 
 /// Robots in the table of the best.

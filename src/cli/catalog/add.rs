@@ -9,7 +9,7 @@ use crate::catalog::audit::{Finding, Severity, audit};
 use crate::catalog::{Catalog, is_word, user_catalog};
 use crate::input::Source;
 use crate::output::{self, Locks};
-use crate::report::counted;
+pub use crate::report::counted;
 
 /// Arguments of the command.
 #[derive(Debug, Args)]

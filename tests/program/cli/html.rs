@@ -442,7 +442,7 @@ fn a_page_that_cannot_be_written_is_a_mistake_and_leaves_nothing() {
 
 #[test]
 fn the_vendored_library_is_what_its_note_says() {
-    let vendor = common::repository("src/report/html/vendor");
+    let vendor = common::repository("crates/report/src/html/vendor");
     let note = std::fs::read_to_string(vendor.join("README.md")).expect("the note");
     let rows: Vec<Vec<&str>> = note
         .lines()
