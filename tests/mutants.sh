@@ -21,7 +21,7 @@ $work/venv/bin/pip install --quiet tree-sitter==0.26.1 tree-sitter-rust==0.24.2
 python=$work/venv/bin/python
 
 # The tree has the files of the working tree, and its own target: a second run builds little.
-git ls-files -z --cached --others --exclude-standard ':!src/*.rs' | xargs -0 cp --parents -pt "$tree"
+git ls-files -z --cached --others --exclude-standard ':!src/*.rs' ':!crates/*/src/*.rs' | xargs -0 cp --parents -pt "$tree"
 files=()
 while read -r pattern; do files+=(-f "$pattern"); done < <($python tests/mutants/rooms.py)
 cargo mutants --list --json "${files[@]}" > "$tree/list.json"

@@ -4,22 +4,22 @@ from fnmatch import fnmatch
 
 ROOMS = {
     # The model: shaft torque, voltage, heat, limits, effects that a fitted actuator brings along.
-    "actuator": {"src/actuator/*.rs": None, "src/numerics/laurent.rs": None, "src/effects/features.rs": None},
+    "actuator": {"crates/model/src/actuator/*.rs": None, "crates/model/src/numerics/laurent.rs": None, "crates/model/src/effects/features.rs": None},
     # The ratio program: window, cones, branch and bound, certificate, prices.
-    "program": {"src/design/program/*.rs": None, "src/numerics/line_search.rs": None},
+    "program": {"crates/select/src/program/*.rs": None, "crates/model/src/numerics/line_search.rs": None},
     # What the numbers of a data sheet refer to.
-    "conventions": {"src/catalog/convention.rs": None, "src/catalog/sheet.rs": None},
+    "conventions": {"crates/model/src/catalog/convention.rs": None, "crates/model/src/catalog/sheet.rs": None},
     # What makes identification name an effect, refuse it, or say that something is left. Not the balance, the
     # filter and the search over shapes and orders: what they do wrong, the decisions have to notice.
     "identification": {
-        "src/measured/identify/verdict.rs": None,
-        "src/measured/identify/structure.rs": None,
-        "src/measured/identify/candidates.rs": [
+        "crates/identify/src/identify/verdict.rs": None,
+        "crates/identify/src/identify/structure.rs": None,
+        "crates/identify/src/identify/candidates.rs": [
             "carries_another", "Selection::*", "is", "lacks", "is_told_instead", "rank", "evaluate_all", "is_preferred", "evaluate", "own_shares",
             "block_scores", "statistic", "signed_statistic", "chance_threshold", "gain_of", "gain_beside",
             "log_that_objects", "squares_given"],
-        "src/measured/identify/artefacts.rs": ["find", "list", "gains", "usual_gains", "lags", "refine", "shows_lags"],
-        "src/measured/identify/regression.rs": ["paired", "finite_sum"],
+        "crates/identify/src/identify/artefacts.rs": ["find", "list", "gains", "usual_gains", "lags", "refine", "shows_lags"],
+        "crates/identify/src/identify/regression.rs": ["paired", "finite_sum"],
     },
 }
 

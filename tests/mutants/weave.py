@@ -240,19 +240,20 @@ class Weaver:
     def everything(self):
         woven = sorted(n for file in sorted(self.original) for n in self.weave(file) if n not in self.unfit)
         text = HEAD.replace("COUNT", str(len(self.mutants))) + "\n".join(self.helpers.values())
-        write(self.tree / "src/mutant.rs", text.encode())
-        for file in self.root.glob("src/**/*.rs"):
+        for crate in ("model", "select", "identify"):
+            write(self.tree / f"crates/{crate}/src/mutant.rs", text.encode())
+        for file in (*self.root.glob("src/**/*.rs"), *self.root.glob("crates/*/src/**/*.rs")):
             name = str(file.relative_to(self.root))
-            if name == "src/lib.rs":
-                first = b"pub mod actuator;"
-                write(self.tree / name, file.read_bytes().replace(first, b"#![allow(warnings)] pub mod mutant; " + first, 1))
+            if name.startswith("crates/") and name.endswith("/src/lib.rs"):
+                mutant = b"pub mod mutant;\n" if (self.tree / name).with_name("mutant.rs").exists() else b""
+                write(self.tree / name, b"#![allow(warnings)]\n" + file.read_bytes() + mutant)
             elif name not in self.original:
                 write(self.tree / name, file.read_bytes())
         return woven
 
     def complaints(self):
         """Numbers at the places of which the compiler complains, with what it says."""
-        run = subprocess.run(["cargo", "check", "--lib", "--message-format=json"], cwd=self.tree, capture_output=True, text=True)
+        run = subprocess.run(["cargo", "check", "--workspace", "--exclude", "gearwise-python", "--lib", "--message-format=json"], cwd=self.tree, capture_output=True, text=True)
         found, elsewhere = {}, []
         for line in run.stdout.splitlines():
             message = json.loads(line).get("message")

@@ -4,6 +4,7 @@
 //! judged in this order: its form (400, 431, 505), who asks (403), the path with its token (404), the method (405), what
 //! is never supported (417, 400), the type of the body (415), its length (411, 400, 413), then the body itself (408, 400).
 //! Nothing is mended: after a refusal the connection is closed.
+#![allow(clippy::disallowed_types, reason = "the one file that listens")]
 
 use std::hint::black_box;
 use std::io::{self, ErrorKind, Read, Write};
@@ -610,6 +611,8 @@ impl<'a> Connection<'a> {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::disallowed_methods, reason = "the tests are the browser")]
+
     use std::net::SocketAddr;
     use std::sync::atomic::AtomicBool;
 

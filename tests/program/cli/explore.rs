@@ -1,4 +1,5 @@
 //! The explorer, asked over its socket as a browser asks, and as a browser never would.
+#![allow(clippy::disallowed_types, clippy::disallowed_methods, reason = "the test is the browser")]
 
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader, Read, Write};

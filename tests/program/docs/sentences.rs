@@ -101,7 +101,7 @@ fn holds_two_blanks(text: &str) -> bool {
 #[test]
 fn messages_use_the_words_of_the_trade_and_single_blanks() {
     let (mut wrong, mut read) = (Vec::new(), 0);
-    let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("src")];
+    let mut folders = ["src", "crates"].map(|folder| Path::new(env!("CARGO_MANIFEST_DIR")).join(folder)).to_vec();
     while let Some(folder) = folders.pop() {
         for entry in fs::read_dir(&folder).unwrap() {
             let path = entry.unwrap().path();

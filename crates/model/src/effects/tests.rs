@@ -65,31 +65,31 @@ fn effects_of_the_shaft_form_agree_with_their_basis() {
 /// a limit, a channel of a log, a key of a file.
 const OTHER_MEANINGS: [(&str, &[&str]); 6] = [
     // The key of a simulator, and a row of a table.
-    ("cogging", &["design/simulated/facts.rs", "report/export/"]),
+    ("cogging", &["select/simulated/facts.rs", "report/export/"]),
     (
         "viscous_friction",
         &[
             "catalog/",
-            "design/robust/",
-            "hardware/joint.rs",
-            "measured/bench.rs",
-            "measured/characterize/drag.rs",
-            "measured/fitted.rs",
-            "measured/read/",
+            "select/robust/",
+            "identify/bench.rs",
+            "identify/characterize/drag.rs",
+            "identify/fitted.rs",
+            "identify/read/",
             "pages/formats.rs",
             "report/export/isaaclab.rs",
             "report/fitted.rs",
+            "rules/hardware/joint.rs",
         ],
     ),
     (
         "coulomb_friction",
         &[
             "catalog/",
-            "design/robust/",
-            "measured/bench.rs",
-            "measured/characterize/drag.rs",
-            "measured/fitted.rs",
-            "measured/read/",
+            "select/robust/",
+            "identify/bench.rs",
+            "identify/characterize/drag.rs",
+            "identify/fitted.rs",
+            "identify/read/",
             "pages/formats.rs",
             "report/fitted.rs",
         ],
@@ -98,9 +98,9 @@ const OTHER_MEANINGS: [(&str, &[&str]); 6] = [
         "winding_temperature",
         &[
             "actuator/limits",
-            "design/figures.rs",
-            "design/robust/",
-            "measured/read/",
+            "select/figures.rs",
+            "select/robust/",
+            "identify/read/",
             "pages/formats.rs",
             "report/",
             "requirement/",
@@ -112,8 +112,8 @@ const OTHER_MEANINGS: [(&str, &[&str]); 6] = [
         "backlash",
         &[
             "catalog/gear.rs",
-            "design/families.rs",
-            "design/simulated/facts.rs",
+            "select/families.rs",
+            "select/simulated/facts.rs",
             "pages/formats.rs",
             "report/catalog/card.rs",
             "requirement/gear.rs",
@@ -144,12 +144,26 @@ fn sources(folder: &std::path::Path, found: &mut Vec<std::path::PathBuf>) {
 #[test]
 fn no_name_of_an_effect_is_matched_outside_its_own_file() {
     let src = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let root = src.join("../../..");
     let mut files = Vec::new();
-    sources(&src, &mut files);
-    assert!(files.len() > 200);
+    let mut read = 0;
+    for (folder, prefix) in [
+        ("src", ""),
+        ("crates/model/src", ""),
+        ("crates/select/src", "select/"),
+        ("crates/identify/src", "identify/"),
+        ("crates/rules/src", "rules/"),
+        ("crates/report/src", "report/"),
+    ] {
+        let (folder, mut found) = (root.join(folder), Vec::new());
+        sources(&folder, &mut found);
+        read += found.len();
+        let place = |file: &std::path::PathBuf| format!("{prefix}{}", file.strip_prefix(&folder).unwrap().display());
+        files.extend(found.iter().map(|file| (place(file), file.clone())));
+    }
+    assert!(read > 400, "{read} files");
     let mut wrong = Vec::new();
-    for file in files {
-        let place = file.strip_prefix(&src).unwrap().display().to_string();
+    for (place, file) in files {
         for name in names_in(&std::fs::read_to_string(&file).unwrap()) {
             let own = place.starts_with("effects/") && place != "effects/mod.rs";
             let meanings = OTHER_MEANINGS.iter().filter(|(word, _)| *word == name).flat_map(|(_, places)| *places);
