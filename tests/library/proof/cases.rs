@@ -9,7 +9,7 @@ use gearwise::design::robot::peak_power;
 use gearwise::motion::{Lasting, Often};
 use gearwise::requirement::*;
 
-use crate::cases::quarter;
+use crate::cases::{are_all, cases, quarter};
 use crate::common;
 use crate::raw::{Case, draw, golden};
 use crate::solved;
@@ -144,7 +144,7 @@ fn scan(both: &Both) -> (f64, f64) {
 #[test]
 fn the_best_ratio_over_all_cases_is_that_of_a_scan() {
     let (mut solved_alike, mut refused_alike) = (0, 0);
-    for index in quarter(0, 240) {
+    for index in cases(0, 240) {
         let Some(both) = Both::draw(index, index % 2 == 0) else { continue };
         let (best, least) = scan(&both);
         match solved::solve(both.motor(), &both.robot) {
@@ -183,7 +183,7 @@ fn the_best_ratio_over_all_cases_is_that_of_a_scan() {
         }
     }
     println!("{solved_alike} solved, {refused_alike} refused");
-    assert!(solved_alike > 10 && refused_alike > 3);
+    assert!(!are_all() || solved_alike > 10 && refused_alike > 3);
 }
 
 #[test]

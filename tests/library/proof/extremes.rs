@@ -310,6 +310,7 @@ fn a_range_of_one_ratio_is_that_ratio_or_nothing() {
 }
 
 #[test]
+#[ignore = "long: `.ci/cases` runs it"]
 fn nine_decades_of_ratios_are_searched() {
     for (cases, convex) in [(quarter(50_000, 120), true), (quarter(150_000, 60), false)] {
         let feasible = all_agree(cases, convex, |case| {

@@ -9,6 +9,7 @@ use gearwise::design::program::Certificate;
 use gearwise::requirement::*;
 use rayon::prelude::*;
 
+use crate::cases::{are_all, cases};
 use crate::raw::{Case, draw, golden};
 use crate::solved::{self, Solved};
 
@@ -125,7 +126,7 @@ fn check(case: &Case, design: &Solved) -> Option<Residual> {
 #[test]
 fn optima_are_stationary_points_of_their_lagrangian() {
     type Part = fn(&Residual) -> f64;
-    let found: Vec<(u64, Residual)> = (0..1000)
+    let found: Vec<(u64, Residual)> = cases(0, 1000)
         .into_par_iter()
         .filter_map(|i| {
             let case = draw(i, true);
@@ -149,5 +150,5 @@ fn optima_are_stationary_points_of_their_lagrangian() {
         let wrong: Vec<_> = found.iter().filter(|(_, r)| f(r).is_nan() || f(r) > allowed).collect();
         assert!(wrong.is_empty(), "{what}: {:?}", &wrong[..wrong.len().min(8)]);
     }
-    assert!(found.len() > 400 && priced > 150);
+    assert!(!are_all() || found.len() > 400 && priced > 150);
 }
