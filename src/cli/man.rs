@@ -1,9 +1,11 @@
 use std::path::PathBuf;
 
 use clap::{Args, Command};
+#[cfg(feature = "packaging")]
 use clap_mangen::Man;
 
 use super::{Done, Failure};
+#[cfg(feature = "packaging")]
 use crate::output;
 
 /// Arguments of the command.
@@ -12,9 +14,11 @@ use crate::output;
 pub struct Arguments {
     /// Folder for the pages: gearwise.1, gearwise-optimize.1, …
     #[arg(long, value_name = "DIR")]
+    #[cfg_attr(not(feature = "packaging"), allow(dead_code, reason = "only manual pages are written there"))]
     out: PathBuf,
 }
 
+#[cfg(feature = "packaging")]
 pub fn run(arguments: &Arguments, mut command: Command) -> Result<Done, Failure> {
     command.build();
     let failed = |error: std::io::Error| {
@@ -39,6 +43,7 @@ pub fn run(arguments: &Arguments, mut command: Command) -> Result<Done, Failure>
 }
 
 /// A page with its examples before the options. No date, so that the same program makes the same page.
+#[cfg(feature = "packaging")]
 fn page(command: &Command) -> std::io::Result<Vec<u8>> {
     let mut out = Vec::new();
     let man = Man::new(command.clone());
@@ -62,7 +67,13 @@ fn page(command: &Command) -> std::io::Result<Vec<u8>> {
 }
 
 /// A line as roff has it: nothing in it is a request, hyphens can be copied.
+#[cfg(feature = "packaging")]
 fn roff(line: &str) -> String {
     let escaped = line.replace('\\', "\\e").replace('-', "\\-").replace('\'', "\\(aq");
     format!("\\&{escaped}\n")
+}
+
+#[cfg(not(feature = "packaging"))]
+pub fn run(_: &Arguments, _: Command) -> Result<Done, Failure> {
+    Err(Failure::Argument(crate::words::not_built("manual pages")))
 }

@@ -9,6 +9,7 @@ pub mod formats;
 mod limits;
 mod metrics;
 mod rules;
+#[cfg(feature = "schema")]
 pub mod schema;
 mod simulators;
 

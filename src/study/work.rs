@@ -6,7 +6,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use globset::{GlobBuilder, GlobMatcher};
+use fast_glob::glob_match;
 
 use super::StudyError;
 use crate::words::nearest;
@@ -17,7 +17,7 @@ const DEEPEST: usize = 64;
 /// A part of a pattern between two slashes.
 enum Part {
     Plain(String),
-    Pattern(GlobMatcher, bool),
+    Pattern(String, bool),
     AnyDepth,
 }
 
@@ -81,9 +81,13 @@ fn parts(pattern: &str) -> Result<(PathBuf, Vec<Part>), StudyError> {
         let part = match text {
             "**" => Part::AnyDepth,
             text if text.contains(['*', '?', '[', '{']) => {
-                let glob = GlobBuilder::new(text).literal_separator(true).build();
-                let glob = glob.map_err(|e| StudyError::Argument(format!("`{pattern}` is not a pattern: {e}")))?;
-                Part::Pattern(glob.compile_matcher(), text.starts_with('.'))
+                for (open, close) in [('[', ']'), ('{', '}')] {
+                    if text.matches(open).count() > text.matches(close).count() {
+                        let message = format!("`{pattern}` is not a pattern: `{open}` without `{close}`");
+                        return Err(StudyError::Argument(message));
+                    }
+                }
+                Part::Pattern(text.into(), text.starts_with('.'))
             }
             text if parts.is_empty() => {
                 root.push(text);
@@ -109,12 +113,12 @@ fn descend(
     };
     match part {
         Part::Plain(name) => descend(base, &at.join(name), rest, depth, found),
-        Part::Pattern(matcher, hidden) => {
+        Part::Pattern(pattern, hidden) => {
             if !place.is_dir() && !at.as_os_str().is_empty() {
                 return Ok(());
             }
             for name in names(&place)? {
-                if matcher.is_match(&name) && (*hidden || !name.starts_with('.')) {
+                if glob_match(pattern, &name) && (*hidden || !name.starts_with('.')) {
                     descend(base, &at.join(&name), rest, depth, found)?;
                 }
             }
@@ -123,8 +127,7 @@ fn descend(
         Part::AnyDepth => {
             // A pattern that ends in `**` means the .toml files below.
             if rest.is_empty() {
-                let every = GlobBuilder::new("*.toml").build().expect("a pattern").compile_matcher();
-                return descend(base, at, &[Part::AnyDepth, Part::Pattern(every, false)], depth, found);
+                return descend(base, at, &[Part::AnyDepth, Part::Pattern("*.toml".into(), false)], depth, found);
             }
             descend(base, at, rest, depth, found)?;
             if depth >= DEEPEST || (!place.is_dir() && !at.as_os_str().is_empty()) {

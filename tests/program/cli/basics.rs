@@ -310,14 +310,11 @@ fn a_closed_pipe_is_no_error() {
 }
 
 #[test]
-fn help_and_completions() {
+fn help_has_an_example() {
     for command in ["optimize", "sweep", "rank", "compare", "audit", "completions"] {
         let help = gearwise(&[command, "--help"]);
         assert_eq!(help.status.code(), Some(0));
         assert!(stdout(&help).contains("gearwise "), "{command} has an example");
-    }
-    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
-        assert!(stdout(&gearwise(&["completions", shell])).contains("gearwise"));
     }
 }
 

@@ -74,7 +74,7 @@ fn the_example_tells_its_story() {
 fn the_row_is_a_catalogue() {
     let folder = tempfile::tempdir().unwrap();
     let row = folder.path().join("row.csv");
-    let (row, picture) = (row.to_str().unwrap(), folder.path().join("bench.png"));
+    let (row, picture) = (row.to_str().unwrap(), folder.path().join("bench.svg"));
     let output = gearwise(&["characterize", EXAMPLE, "--write", row, "--plot", picture.to_str().unwrap()]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert!(fs::metadata(&picture).unwrap().len() > 10_000);

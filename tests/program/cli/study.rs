@@ -108,9 +108,14 @@ fn results(out: &Path) -> BTreeMap<String, Vec<u8>> {
         .map(|p| (name(&p), fs::read(&p).unwrap()))
         .collect();
     let names: Vec<&str> = files.keys().map(String::as_str).collect();
-    let expected =
-        ["errors.csv", "inputs.csv", "manifest.json", "results.csv", "results.parquet", "summary.json", "summary.svg"];
-    assert_eq!(names, expected, "{}", out.display());
+    let expected = ["errors.csv", "inputs.csv", "manifest.json", "results.csv", "summary.json", "summary.svg"];
+    assert_eq!(
+        names.iter().filter(|n| **n != "results.parquet").copied().collect::<Vec<_>>(),
+        expected,
+        "{}",
+        out.display()
+    );
+    assert_eq!(names.contains(&"results.parquet"), cfg!(feature = "parquet"));
     files
 }
 
@@ -499,42 +504,6 @@ fn a_folder_has_one_process_at_a_time() {
 }
 
 #[test]
-fn parquet_has_the_cells_of_the_csv_with_their_types() {
-    use parquet::basic::Type;
-    use parquet::file::reader::{FileReader, SerializedFileReader};
-    use parquet::record::Field;
-    let folder = folder();
-    let at = folder.path();
-    ends(at, &["study", "study.toml", "--out", "out"], 0);
-    let rows = rows(&at.join("out"));
-    let reader = SerializedFileReader::new(fs::File::open(at.join("out/results.parquet")).unwrap()).unwrap();
-    let schema = reader.metadata().file_metadata().schema_descr_ptr();
-    let physical = |name: &str| {
-        schema.columns().iter().find(|c| c.name() == name).unwrap_or_else(|| panic!("{name}")).physical_type()
-    };
-    assert_eq!(physical("robot"), Type::INT64);
-    assert_eq!(physical("grid_bus_voltage_v"), Type::DOUBLE);
-    assert_eq!(physical("loss_w"), Type::DOUBLE);
-    assert_eq!(physical("motor"), Type::BYTE_ARRAY);
-    let mut count = 0;
-    for (row, typed) in rows.iter().zip(reader.get_row_iter(None).unwrap()) {
-        for (name, field) in typed.unwrap().into_columns() {
-            let cell = &row[&name];
-            match field {
-                Field::Null => assert!(cell.is_empty(), "{name}: {cell}"),
-                Field::Long(value) => assert_eq!(cell.parse(), Ok(value), "{name}"),
-                Field::Double(value) => assert_eq!(cell.parse(), Ok(value), "{name}"),
-                Field::Str(value) => assert_eq!(*cell, value, "{name}"),
-                other => panic!("{name}: {other:?}"),
-            }
-        }
-        count += 1;
-    }
-    assert_eq!(count, rows.len());
-    assert_eq!(reader.metadata().file_metadata().num_rows() as usize, rows.len());
-}
-
-#[test]
 fn the_summary_counts_what_the_rows_say() {
     let folder = folder();
     let at = folder.path();
@@ -670,7 +639,7 @@ fn the_manifest_has_the_hashes_of_what_was_read_and_written() {
     for output in manifest["outputs"].as_array().unwrap() {
         assert_eq!(output["sha256"], hash(at.join("out").join(output["file"].as_str().unwrap())));
     }
-    assert_eq!(manifest["outputs"].as_array().unwrap().len(), 6);
+    assert_eq!(manifest["outputs"].as_array().unwrap().len(), if cfg!(feature = "parquet") { 6 } else { 5 });
     assert_eq!(manifest["plan"]["study"]["sha256"], hash(at.join("study.toml")));
     assert_eq!(manifest["plan"]["catalog"][0]["sha256"], hash(at.join("motors.csv")));
     let inputs = fs::read_to_string(at.join("out/inputs.csv")).unwrap();

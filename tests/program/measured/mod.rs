@@ -2,5 +2,4 @@
 
 mod fitted_actuator;
 mod honest_verdicts;
-mod log_formats;
 mod whole_robot;

@@ -26,6 +26,17 @@ pub fn heat_or(value: f64, unit: &str) -> String {
     }
 }
 
+/// Message that this build lacks a feature, with the command that adds it.
+///
+/// ```
+/// use gearwise_model::words::not_built;
+/// let said = "this build was made without PNG; install with `cargo install --path . --features full`";
+/// assert_eq!(not_built("PNG"), said);
+/// ```
+pub fn not_built(feature: &str) -> String {
+    format!("this build was made without {feature}; install with `cargo install --path . --features full`")
+}
+
 /// A number with four significant digits, without needless zeros.
 ///
 /// ```

@@ -1,5 +1,5 @@
 //! What a check found, for people and for machines: one file for each form, all from the same
-//! [`Report`](gearwise_rules::Report).
+//! [`Report`].
 
 pub mod github;
 pub mod input;

@@ -1,5 +1,6 @@
 //! Answers about a catalogue: `catalog list`, `search`, `show`, `diff` and `path` with `--json`.
 
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
@@ -20,7 +21,8 @@ use gearwise_model::catalog::row::{Holds, MotorRow, Row as CatalogRow};
 use gearwise_model::catalog::{Alternative, Family, Gear, GearKind, Module, Motor, SourceKind};
 
 /// What `catalog list` and `catalog search` print.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Listed<'a> {
     /// The filters, as they were written.
     pub filters: Vec<&'a str>,
@@ -41,7 +43,8 @@ pub struct Listed<'a> {
 }
 
 /// How many rows do not know a column.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Unknown<'a> {
     /// The column.
     pub column: &'a str,
@@ -50,7 +53,8 @@ pub struct Unknown<'a> {
 }
 
 /// A row of a catalogue, as it is printed.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Row {
     /// Its id.
     pub id: String,
@@ -64,7 +68,8 @@ pub struct Row {
 }
 
 /// A column that is a curve or a table.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Pairs {
     /// The column.
     pub column: &'static str,
@@ -75,7 +80,8 @@ pub struct Pairs {
 }
 
 /// A column that is a text.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Text {
     /// The column.
     pub column: &'static str,
@@ -84,7 +90,8 @@ pub struct Text {
 }
 
 /// A column that is a number.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Number {
     /// The column.
     pub column: &'static str,
@@ -171,7 +178,8 @@ pub fn searched(of: &Listing) -> Value {
 }
 
 /// A family of gears.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct FamilyRow<'a> {
     /// Its name.
     pub name: &'a str,
@@ -231,7 +239,8 @@ pub fn family_shown(family: &Family) -> Value {
 }
 
 /// What `catalog show` prints.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Shown<'a> {
     /// `motor`, `gear`, `module` or `gear family`.
     pub kind: &'static str,
@@ -258,7 +267,8 @@ pub struct Shown<'a> {
 }
 
 /// A number in a convention.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct InConvention {
     /// The column.
     pub column: &'static str,
@@ -275,7 +285,8 @@ pub struct InConvention {
 }
 
 /// Something that a row lacks.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Lacking<'a> {
     /// What.
     pub lacks: &'a str,
@@ -286,7 +297,8 @@ pub struct Lacking<'a> {
 }
 
 /// An estimate.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Estimated {
     /// The pessimistic end of its prediction interval (90 %, one-sided), which the model computes with.
     pub value: f64,
@@ -374,7 +386,8 @@ pub fn module_shown(module: &Module, audit: &[Finding], elsewhere: &[&Alternativ
 }
 
 /// What another source says of a number of a row.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Published<'a> {
     /// The column.
     pub column: &'static str,
@@ -418,7 +431,8 @@ fn published<'a>(elsewhere: &[&'a Alternative]) -> Vec<Published<'a>> {
 }
 
 /// What `catalog diff` prints.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Differ<'a> {
     /// Rows that the second catalogue alone has.
     pub added: usize,
@@ -431,7 +445,8 @@ pub struct Differ<'a> {
 }
 
 /// A row that is not the same.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct DifferentRow<'a> {
     /// `motor`, `gear` or `module`.
     pub kind: &'static str,
@@ -444,7 +459,8 @@ pub struct DifferentRow<'a> {
 }
 
 /// A column that is not the same.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct DifferentCell<'a> {
     /// The column.
     pub column: &'static str,
@@ -457,7 +473,8 @@ pub struct DifferentCell<'a> {
 }
 
 /// What a cell says.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Side<'a> {
     /// A text.
     pub text: Option<&'a str>,
@@ -509,7 +526,8 @@ fn different(difference: &Difference) -> DifferentRow<'_> {
 }
 
 /// What `audit --against` prints.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Compared<'a> {
     /// Rows that both have.
     pub both: usize,
@@ -542,7 +560,8 @@ pub fn compared(found: &Against) -> Value {
 }
 
 /// What `catalog path` prints.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Paths {
     /// Where `user` is looked for.
     pub user: UserPlace,
@@ -551,7 +570,8 @@ pub struct Paths {
 }
 
 /// Where `user` is looked for.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct UserPlace {
     /// The path.
     pub path: String,
@@ -568,7 +588,8 @@ pub struct UserPlace {
 }
 
 /// The built-in catalogue.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct BuiltinPlace {
     /// Its motors.
     pub motors: usize,

@@ -1,13 +1,17 @@
 //! `characterize --json`.
 
+#[cfg(feature = "schema")]
 use std::borrow::Cow;
 
+#[cfg(feature = "schema")]
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 use serde_json::Value;
 
-use super::{document, finite, number_or_null};
+#[cfg(feature = "schema")]
+use super::number_or_null;
+use super::{document, finite};
 use gearwise_identify::Bench;
 use gearwise_identify::characterize::estimate::Estimate as EstimateFact;
 use gearwise_identify::characterize::row::Row as RowFact;
@@ -16,7 +20,8 @@ use gearwise_model::catalog::convention::{Commutation, Winding, word};
 use gearwise_model::catalog::{FIELDS, Field, Sheet};
 
 /// What `characterize` prints.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Answer<'a> {
     /// Name of the bench.
     pub bench: &'a str,
@@ -33,7 +38,8 @@ pub struct Answer<'a> {
 }
 
 /// What one test found.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Test<'a> {
     /// Its name.
     pub test: &'a str,
@@ -48,7 +54,8 @@ pub struct Test<'a> {
 }
 
 /// A number that a test found.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Quantity<'a> {
     /// Its name: the column of a catalogue row, where there is one.
     pub name: &'a str,
@@ -59,7 +66,8 @@ pub struct Quantity<'a> {
 }
 
 /// A number with its uncertainty, at the motor and on the q axis unless the name says otherwise.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Estimate {
     /// The number.
     pub value: Option<f64>,
@@ -90,7 +98,8 @@ impl Estimate {
 }
 
 /// What one log gave.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct OfLog<'a> {
     /// The log.
     pub log: &'a str,
@@ -112,6 +121,7 @@ impl Serialize for Estimates<'_> {
     }
 }
 
+#[cfg(feature = "schema")]
 impl JsonSchema for Estimates<'_> {
     fn inline_schema() -> bool {
         true
@@ -127,7 +137,8 @@ impl JsonSchema for Estimates<'_> {
 }
 
 /// What a check says.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Finding<'a> {
     /// The check.
     pub check: &'static str,
@@ -142,7 +153,8 @@ fn findings(of: &[fact::Finding]) -> Vec<Finding<'_>> {
 }
 
 /// A catalogue row.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Row<'a> {
     /// Id.
     pub id: &'a str,
@@ -173,7 +185,8 @@ pub struct Row<'a> {
 }
 
 /// A column that was not measured.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Taken<'a> {
     /// The column.
     pub column: &'static str,
@@ -207,6 +220,7 @@ impl Serialize for Numbers<'_> {
     }
 }
 
+#[cfg(feature = "schema")]
 impl JsonSchema for Numbers<'_> {
     fn inline_schema() -> bool {
         true
@@ -228,7 +242,8 @@ impl JsonSchema for Numbers<'_> {
 }
 
 /// A log.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Log<'a> {
     /// Its name.
     pub log: &'a str,

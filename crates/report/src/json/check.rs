@@ -1,5 +1,6 @@
 //! `check --json`.
 
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
@@ -15,7 +16,8 @@ use gearwise_rules::{self, Report, Severity, clean};
 use gearwise_select::judge;
 
 /// What `check` prints: what it found, or the mistakes of its input.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(untagged)]
 pub enum Printed<'a> {
     /// What it found.
@@ -25,7 +27,8 @@ pub enum Printed<'a> {
 }
 
 /// The input is wrong: nothing was checked.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct WrongInput<'a> {
     /// False.
     pub passes: bool,
@@ -34,7 +37,8 @@ pub struct WrongInput<'a> {
 }
 
 /// A mistake of an input file.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Mistake<'a> {
     /// The file.
     pub file: String,
@@ -51,7 +55,8 @@ pub struct Mistake<'a> {
 }
 
 /// What `check` found: the robot, its joints with the chosen designs, and what the rules found.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Answer<'a> {
     /// The robot, and the files that were checked.
     pub robot: Robot<'a>,
@@ -76,7 +81,8 @@ pub struct Answer<'a> {
 }
 
 /// The robot and the files that were checked.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Robot<'a> {
     /// Name of the robot.
     pub name: &'a str,
@@ -90,7 +96,8 @@ pub struct Robot<'a> {
 }
 
 /// A joint with its chosen design.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct OfJoint<'a> {
     #[serde(flatten)]
     joint: Joint<'a>,
@@ -116,7 +123,8 @@ pub struct OfJoint<'a> {
 }
 
 /// What a rule found.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Finding<'a> {
     /// Code of the rule; its name where it is one of a rules file.
     pub code: &'a str,
@@ -152,7 +160,8 @@ pub struct Finding<'a> {
 
 /// A place in a file: lines and columns from 1, columns in characters; the end is the first column that no longer belongs
 /// to it.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Location<'a> {
     /// The file as it was named.
     pub file: &'a str,
@@ -173,7 +182,8 @@ impl<'a> From<&'a gearwise_rules::Location> for Location<'a> {
 }
 
 /// A rule that could not be judged.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct NotJudged<'a> {
     /// Code of the rule.
     pub code: &'a str,
@@ -184,7 +194,8 @@ pub struct NotJudged<'a> {
 }
 
 /// How the lock compares with the catalogue.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Lock<'a> {
     /// `missing`, `same` or `different`.
     pub state: &'static str,

@@ -1,5 +1,6 @@
 //! `check-model --json`.
 
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
@@ -12,7 +13,8 @@ use gearwise_rules::models::ModelJoint;
 use gearwise_rules::{self, ModelReport, Severity, clean};
 
 /// What `check-model` prints: what it found, or the mistakes of its input.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(untagged)]
 pub enum Printed<'a> {
     /// What it found.
@@ -22,7 +24,8 @@ pub enum Printed<'a> {
 }
 
 /// What `check-model` found: the models, their joints with the hardware, and what the rules found.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Answer<'a> {
     /// The models.
     pub models: Vec<Model<'a>>,
@@ -47,7 +50,8 @@ pub struct Answer<'a> {
 }
 
 /// A robot model.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Model<'a> {
     /// Name of the robot.
     pub name: &'a str,
@@ -62,7 +66,8 @@ pub struct Model<'a> {
 }
 
 /// A joint of a model: what the model states, and what its hardware can do.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Joint<'a> {
     /// Its name.
     pub joint: &'a str,
@@ -89,7 +94,8 @@ pub struct Joint<'a> {
 }
 
 /// A number of the hardware at a joint.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Fact<'a> {
     /// The number.
     pub value: f64,
@@ -111,7 +117,8 @@ impl<'a> From<&'a hardware::Fact> for Fact<'a> {
 }
 
 /// What a rule found in a model.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Finding<'a> {
     /// Code of the rule.
     pub code: &'a str,
@@ -148,7 +155,8 @@ pub struct Finding<'a> {
 }
 
 /// What the hardware allows, and its row.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Backing<'a> {
     /// What it allows, with its number.
     pub allows: &'a str,

@@ -1,14 +1,18 @@
 //! A design, and what became of a motor that is none: the objects that all answers about joints are made of.
 
 use std::borrow::Cow;
+#[cfg(feature = "schema")]
 use std::collections::BTreeMap;
 
+#[cfg(feature = "schema")]
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
+use super::finite;
+#[cfg(feature = "schema")]
+use super::number_or_null;
 use super::turns::OtherTurns;
-use super::{finite, number_or_null};
 use crate::columns::metric_key;
 use crate::{optimize, unjudged};
 use gearwise_model::actuator::fitted::Note;
@@ -26,7 +30,8 @@ use gearwise_select::figures::{FIGURES, Facts};
 use gearwise_select::program;
 
 /// A motor with its ratio or gear at a joint.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Design<'a> {
     /// Id of the motor.
     pub motor: &'a str,
@@ -86,25 +91,26 @@ pub struct Design<'a> {
 }
 
 /// Mean losses over the motion in W, at the end of what is known of the motor's drag where they are larger.
-#[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Losses {
     /// In the motor's copper.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub copper: f64,
     /// Bearings, hysteresis and eddy currents of the motor.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub motor_drag: f64,
     /// What the gear's efficiency takes.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub gear_load: f64,
     /// What the gear takes without load.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub gear_no_load: f64,
     /// In drive and leads.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub drive: f64,
     /// Of what comes back to the bus, what is not kept: in a braking resistor, or in the supply.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub braking: f64,
 }
 
@@ -116,7 +122,8 @@ impl From<losses::Losses> for Losses {
 }
 
 /// What solving for the ratio gave: where the ratio may be, what ends that, and how sure the best one is.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Solution<'a> {
     /// Feasible ratios about the best one.
     pub window: [f64; 2],
@@ -135,7 +142,8 @@ pub struct Solution<'a> {
 }
 
 /// What is at the lower and at the upper end.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Binds<T> {
     /// At the lower end.
     pub low: T,
@@ -144,7 +152,8 @@ pub struct Binds<T> {
 }
 
 /// A limit that ends a window.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Bind<'a> {
     /// Name of the limit; `ratio_min` and `ratio_max` are the requirement's own.
     pub limit: &'static str,
@@ -162,7 +171,8 @@ pub struct Bind<'a> {
 }
 
 /// Where a ratio lies among the points of a gear family.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Family<'a> {
     /// Name of the family.
     pub name: &'a str,
@@ -183,7 +193,8 @@ impl<'a> Family<'a> {
 }
 
 /// The planetary gear with the fewest teeth that has a ratio.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Teeth {
     /// Teeth of sun and ring of each stage, the motor's first.
     pub stages: Vec<[u32; 2]>,
@@ -203,7 +214,8 @@ impl Teeth {
 }
 
 /// An interval of feasible ratios.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Window {
     /// Smallest ratio.
     pub min: f64,
@@ -216,7 +228,8 @@ pub struct Window {
 }
 
 /// How sure the best ratio is.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Certificate<'a> {
     /// Whether it is proved.
     pub certified: bool,
@@ -250,7 +263,8 @@ impl<'a> From<&'a program::Certificate> for Certificate<'a> {
 }
 
 /// A limit with its demand.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Limit<'a> {
     /// Name of the limit.
     pub limit: &'static str,
@@ -282,7 +296,8 @@ pub struct Limit<'a> {
 }
 
 /// A limit that could not be checked or judged.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct NotChecked<'a> {
     /// Name of the limit.
     pub limit: &'a str,
@@ -291,7 +306,8 @@ pub struct NotChecked<'a> {
 }
 
 /// A limit that counts as kept.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Assumed<'a> {
     /// Name of the limit.
     pub limit: &'a str,
@@ -301,7 +317,8 @@ pub struct Assumed<'a> {
 }
 
 /// A number of the motor that is estimated from rows built alike.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Estimated {
     /// What it is.
     pub quantity: &'static str,
@@ -331,7 +348,8 @@ pub fn estimated(motor: &Motor) -> Vec<Estimated> {
 }
 
 /// How an effect that was fitted enters.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Fitted {
     /// Name of the effect.
     pub name: String,
@@ -346,7 +364,8 @@ impl From<Note> for Fitted {
 }
 
 /// A parallel spring and what it is worth.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Spring {
     /// Stiffness.
     pub stiffness_nm_per_rad: f64,
@@ -389,7 +408,8 @@ impl Spring {
 }
 
 /// A motor that keeps all that can be judged, and of which a limit that the requirement states cannot be.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Unjudged<'a> {
     /// Id of the motor.
     pub motor: &'a str,
@@ -412,7 +432,8 @@ impl<'a> Unjudged<'a> {
 }
 
 /// A motor that cannot do it.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Rejected<'a> {
     /// Id of the motor.
     pub motor: &'a str,
@@ -444,6 +465,7 @@ impl Serialize for Figures<'_> {
     }
 }
 
+#[cfg(feature = "schema")]
 impl JsonSchema for Figures<'_> {
     fn inline_schema() -> bool {
         true
@@ -468,6 +490,7 @@ impl Serialize for Metrics<'_> {
     }
 }
 
+#[cfg(feature = "schema")]
 impl JsonSchema for Metrics<'_> {
     fn schema_name() -> Cow<'static, str> {
         "Metrics".into()
@@ -479,6 +502,7 @@ impl JsonSchema for Metrics<'_> {
 }
 
 /// An object of which every key is there.
+#[cfg(feature = "schema")]
 fn object(properties: impl Iterator<Item = (String, Schema)>) -> Schema {
     let properties: serde_json::Map<_, _> = properties.map(|(key, schema)| (key, schema.to_value())).collect();
     let required: Vec<&String> = properties.keys().collect();
@@ -502,6 +526,7 @@ impl Serialize for Pairs<'_> {
     }
 }
 
+#[cfg(feature = "schema")]
 impl JsonSchema for Pairs<'_> {
     fn inline_schema() -> bool {
         true

@@ -1,5 +1,6 @@
 //! `explain --json`.
 
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
@@ -16,7 +17,8 @@ use gearwise_select::explain::{self, Explanation};
 pub type Answer<'a> = OfRobot<'a, Named<'a>, OfJoint<'a>>;
 
 /// The joint, and the design that was asked about.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct OfJoint<'a> {
     #[serde(flatten)]
     joint: Joint<'a>,
@@ -39,7 +41,8 @@ pub struct OfJoint<'a> {
 }
 
 /// The best ratio, or why there is none.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(untagged)]
 pub enum Best<'a> {
     /// The best ratio.
@@ -49,7 +52,8 @@ pub enum Best<'a> {
 }
 
 /// The best ratio.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct BestRatio<'a> {
     /// Ratio N.
     pub ratio: f64,
@@ -60,14 +64,16 @@ pub struct BestRatio<'a> {
 }
 
 /// Why there is none.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Because {
     /// In a sentence.
     pub because: String,
 }
 
 /// How the objective changes with a parameter of the motor, the ratio chosen again.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Sensitivity {
     /// The parameter.
     pub parameter: &'static str,
@@ -78,7 +84,8 @@ pub struct Sensitivity {
 }
 
 /// A limit that, widened alone, would make it feasible.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Remedy {
     /// Name of the limit.
     pub limit: &'static str,
@@ -112,7 +119,8 @@ impl From<&explain::Remedy> for Remedy {
 }
 
 /// The spring, or why no spring will do.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(untagged)]
 pub enum SpringOrNone {
     /// The spring.
@@ -122,7 +130,8 @@ pub enum SpringOrNone {
 }
 
 /// Why no spring will do.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct NoSpring {
     /// In a sentence.
     pub because: String,
@@ -131,7 +140,8 @@ pub struct NoSpring {
 }
 
 /// A spring.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Nearest {
     /// Stiffness.
     pub stiffness_nm_per_rad: f64,

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
@@ -14,7 +15,8 @@ use gearwise_select::simulated::spread::Ranged;
 use gearwise_select::simulated::{Bound, Cog, Line};
 
 /// What `export --to json` writes: what a simulator is told, SI.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Answer<'a> {
     /// Version of the program.
     pub gearwise: &'static str,
@@ -33,7 +35,8 @@ pub struct Answer<'a> {
 }
 
 /// A joint of a simulator.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct OfJoint<'a> {
     /// Name of the joint.
     pub joint: &'a str,
@@ -129,7 +132,8 @@ pub struct OfJoint<'a> {
 }
 
 /// The line `min(e, s (1 − ω/ω₀))` by which simulators let torque fall with speed, at the joint, before the gear's loss.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct TorqueSpeed {
     /// Largest torque e.
     pub effort_nm: f64,
@@ -152,7 +156,8 @@ pub struct TorqueSpeed {
 }
 
 /// Cogging of one order: `amplitude sin(order θ + phase)` pulls at the rotor at its angle θ.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Cogging {
     /// Periods a revolution of the rotor.
     pub order: f64,
@@ -163,7 +168,8 @@ pub struct Cogging {
 }
 
 /// How a winding heats.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Heat {
     /// Thermal resistance from winding to ambient.
     pub resistance_k_per_w: f64,
@@ -174,7 +180,8 @@ pub struct Heat {
 }
 
 /// A range of 95 %.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Range<'a> {
     /// Which number, SI: `armature`, `damping`, `friction_loss`, `effort`, `saturation_effort`, `no_load_speed`, `torque_constant`.
     pub name: &'static str,
@@ -187,7 +194,8 @@ pub struct Range<'a> {
 }
 
 /// A log that a motor was fitted from.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Fit<'a> {
     /// The log.
     pub log: &'a str,
@@ -199,7 +207,8 @@ pub struct Fit<'a> {
 }
 
 /// What a simulator cannot be told.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct LeftOut<'a> {
     /// What.
     pub what: &'a str,

@@ -1,5 +1,6 @@
 //! `identify --json`.
 
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
@@ -17,7 +18,8 @@ use gearwise_select::remake;
 
 /// What `identify` prints: the first equation at the top, with the effects, the refusals and what is unexplained of all
 /// equations; the others under `further`.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Answer<'a> {
     /// Name of the bench.
     pub bench: &'a str,
@@ -41,7 +43,8 @@ pub struct Answer<'a> {
 }
 
 /// What one equation of the actuator says.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Equation<'a> {
     /// Which equation.
     pub target: &'static str,
@@ -82,7 +85,8 @@ pub struct Equation<'a> {
 }
 
 /// What a verdict rests on.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Evidence {
     /// Error that the final model leaves, each part of the logs left out of the fit in turn, root mean square of all rows alike.
     pub left_out_error: Option<f64>,
@@ -112,7 +116,8 @@ pub struct Evidence {
 }
 
 /// What one way to find the noise says.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct NoiseEstimate {
     /// The way.
     pub method: &'static str,
@@ -123,7 +128,8 @@ pub struct NoiseEstimate {
 }
 
 /// What an effect that was refused would do.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Asked {
     /// Name of the effect.
     pub name: &'static str,
@@ -132,7 +138,8 @@ pub struct Asked {
 }
 
 /// What something that was refused would do to the error.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Gain {
     /// By how many per cent the error falls; negative where it rises.
     pub error_falls_percent: Option<f64>,
@@ -153,7 +160,8 @@ impl From<GainFact> for Gain {
 }
 
 /// Error of the model, from the declared one to the final one.
-#[derive(Debug, Default, Serialize, JsonSchema)]
+#[derive(Debug, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Errors {
     /// As declared.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -172,7 +180,8 @@ pub struct Errors {
 }
 
 /// Error at one point of the story.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Error {
     /// On the logs for fitting, root mean square.
     pub fit: Option<f64>,
@@ -203,7 +212,8 @@ impl Error {
 }
 
 /// Error after something was added.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Added {
     /// What was added.
     pub name: String,
@@ -214,7 +224,8 @@ pub struct Added {
 }
 
 /// Something that was found in a log.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Finding<'a> {
     /// Its kind: `scale`, `sign`, `unrelated`, `controller`, `late`, `held`, `stale`, `clipped`, `spikes`, `irregular`,
     /// `owns_the_error`, `excluded`, `zero` or `estimated`.
@@ -228,7 +239,8 @@ pub struct Finding<'a> {
 }
 
 /// An artefact of the measurement.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Artefact<'a> {
     /// `lag`, `gain`, `sign` or `zero`.
     pub kind: &'static str,
@@ -241,7 +253,8 @@ pub struct Artefact<'a> {
 }
 
 /// A fitted number.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Parameter<'a> {
     /// Its name.
     pub name: &'a str,
@@ -261,7 +274,8 @@ pub struct Parameter<'a> {
 }
 
 /// What an effect that is not decided would make of a number.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Undecided {
     /// Which effect.
     pub effect: &'static str,
@@ -273,7 +287,8 @@ pub struct Undecided {
 }
 
 /// An effect that the declared model lacked.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Effect<'a> {
     /// Its name.
     pub name: &'static str,
@@ -298,7 +313,8 @@ pub struct Effect<'a> {
 }
 
 /// An effect that was not added.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Refused<'a> {
     /// Its name.
     pub name: &'a str,
@@ -315,7 +331,8 @@ pub struct Refused<'a> {
 }
 
 /// What is left and on what it depends.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Unexplained<'a> {
     /// On what.
     pub depends_on: &'static str,
@@ -326,7 +343,8 @@ pub struct Unexplained<'a> {
 }
 
 /// Covariance of all fitted numbers.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Covariance<'a> {
     /// Names of the numbers.
     pub names: &'a [String],
@@ -335,7 +353,8 @@ pub struct Covariance<'a> {
 }
 
 /// A log.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Log<'a> {
     /// Its name.
     pub name: &'a str,
@@ -355,7 +374,8 @@ pub struct Log<'a> {
 }
 
 /// The position simulated forward.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Forward<'a> {
     /// Error of the declared model, root mean square.
     pub declared: FitAndHeld,
@@ -377,7 +397,8 @@ pub struct Forward<'a> {
 }
 
 /// An error on both parts of the logs.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct FitAndHeld {
     /// On the logs for fitting.
     pub fit: Option<f64>,

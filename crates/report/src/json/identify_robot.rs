@@ -1,5 +1,6 @@
 //! `identify --json` of a whole robot.
 
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
@@ -10,7 +11,8 @@ use crate::identify::robot::{self as words, Said};
 use gearwise_identify::robot::{self as fact, PayloadAnswer, RobotBench};
 
 /// What `identify` prints of the logs of a whole robot.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Answer<'a> {
     /// Name of the bench.
     pub bench: &'a str,
@@ -23,7 +25,8 @@ pub struct Answer<'a> {
 }
 
 /// Whether the masses of the description are enough.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Payload<'a> {
     /// In a sentence.
     pub sentence: String,
@@ -50,7 +53,8 @@ pub struct Payload<'a> {
 }
 
 /// What one joint alone asks for.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Witness<'a> {
     /// The joint.
     pub joint: &'a str,
@@ -61,7 +65,8 @@ pub struct Witness<'a> {
 }
 
 /// One joint.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Joint<'a> {
     /// The joint.
     pub joint: &'a str,

@@ -1,5 +1,6 @@
 //! `import --json`.
 
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
@@ -9,7 +10,8 @@ use crate::import::Written;
 use gearwise_model::catalog::import::{self, Place, RemarkKind};
 
 /// What `import` prints.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Answer<'a> {
     /// The database.
     pub database: &'static str,
@@ -36,7 +38,8 @@ pub struct Answer<'a> {
 }
 
 /// A file that was read.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Read<'a> {
     /// The file.
     pub file: &'a str,
@@ -51,7 +54,8 @@ pub struct Read<'a> {
 }
 
 /// A file that was written.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct WrittenFile {
     /// The file.
     pub file: String,
@@ -60,7 +64,8 @@ pub struct WrittenFile {
 }
 
 /// What is said of a row.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Remark<'a> {
     /// The file.
     pub file: &'a str,
@@ -77,7 +82,8 @@ pub struct Remark<'a> {
 }
 
 /// A row that was taken.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Row<'a> {
     /// `motor` or `gear`.
     pub kind: &'static str,

@@ -1,6 +1,7 @@
 //! A joint with what became of the motors: what `optimize`, `sweep`, `optimize --pareto` and `optimize --robust` have in
 //! common.
 
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -10,7 +11,8 @@ use gearwise_model::transmission::Ways;
 use gearwise_select::answer;
 
 /// What is said of the joint itself.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Joint<'a> {
     /// Name of the joint.
     pub joint: &'a str,
@@ -37,7 +39,8 @@ pub struct Joint<'a> {
 }
 
 /// What is between actuators and joints.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Transmission<'a> {
     /// What it is: `ratio`, `table`, `four-bar linkage`, `lever with a screw`, or a coupling of two joints.
     pub kind: &'static str,
@@ -61,7 +64,8 @@ pub struct Transmission<'a> {
 }
 
 /// Largest torque and speed on one side of a transmission.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Peaks<'a> {
     /// Whose: a joint's name, `actuator 1` or `actuator 2` where there are two.
     #[serde(skip_serializing_if = "str::is_empty")]
@@ -101,7 +105,8 @@ impl<'a> Transmission<'a> {
 }
 
 /// Ratios of planetary stages.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Stages {
     /// How many ratios can be assembled.
     pub ratios: usize,
@@ -112,7 +117,8 @@ pub struct Stages {
 }
 
 /// The load cases of a joint.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Cases<'a> {
     /// Each of them.
     pub list: Vec<Case<'a>>,
@@ -125,7 +131,8 @@ pub struct Cases<'a> {
 }
 
 /// One load case.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Case<'a> {
     /// Name.
     pub name: &'a str,
@@ -142,7 +149,8 @@ pub struct Case<'a> {
 }
 
 /// A case that is repeated before the next one comes.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Step<'a> {
     /// Name of the case.
     pub case: &'a str,
@@ -200,7 +208,8 @@ impl<'a> Joint<'a> {
 }
 
 /// What a balanced objective divides loss and mass by: the geometric means of the two ends.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Reference {
     /// L₀.
     pub loss_w: f64,
@@ -218,7 +227,8 @@ impl Reference {
 }
 
 /// The three designs between which an engineer chooses: a balanced one, and the ends of what it is balanced from.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Choices<'a> {
     /// The lightest design.
     pub lightest: Chosen<'a>,
@@ -229,7 +239,8 @@ pub struct Choices<'a> {
 }
 
 /// One of them.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Chosen<'a> {
     /// Id of the motor.
     pub motor: &'a str,
@@ -266,7 +277,8 @@ impl<'a> Choices<'a> {
 }
 
 /// Whether the motion is known between its samples.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct BetweenSamples {
     /// `spline` where it is; `not_resolved` where limits are kept at the samples alone.
     pub by: &'static str,
@@ -292,7 +304,8 @@ impl BetweenSamples {
 }
 
 /// How alike the order by a metric and the order by the task are.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Agreement {
     /// The metric.
     pub metric: &'static str,
@@ -309,7 +322,8 @@ impl From<&answer::Agreement> for Agreement {
 }
 
 /// What was left out, where only the first designs were asked for.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Pruned<'a> {
     /// How many designs were asked for.
     pub keep: usize,
@@ -320,7 +334,8 @@ pub struct Pruned<'a> {
 }
 
 /// A motor that was not solved.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct NotSolved<'a> {
     /// Id of the motor.
     pub motor: &'a str,

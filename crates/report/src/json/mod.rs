@@ -31,6 +31,7 @@ mod turns;
 
 use std::borrow::Cow;
 
+#[cfg(feature = "schema")]
 use schemars::{JsonSchema, Schema};
 use serde::Serialize;
 use serde_json::Value;
@@ -41,7 +42,8 @@ pub use design::Design;
 pub const SCHEMA_VERSION: u32 = 1;
 
 /// What a command prints: which shape it has, which command it was, and the answer.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Envelope<T> {
     /// Version of the shape; raised when a key is renamed, goes, or means something else.
     pub schema_version: u32,
@@ -66,7 +68,8 @@ pub fn value(of: impl Serialize) -> Value {
 }
 
 /// The answer about a robot: the robot, and each joint with what became of the motors.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct OfRobot<'a, R, J> {
     /// The robot.
     pub robot: R,
@@ -78,7 +81,8 @@ pub struct OfRobot<'a, R, J> {
 }
 
 /// A robot by its name.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Named<'a> {
     /// Name of the robot.
     pub name: Cow<'a, str>,
@@ -88,7 +92,8 @@ pub struct Named<'a> {
 }
 
 /// A value in the place of the requirement's own.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Setting<'a> {
     /// Its path.
     pub key: &'a str,
@@ -116,6 +121,7 @@ pub(crate) fn finite(value: f64) -> Option<f64> {
 }
 
 /// A number that may be unknown.
+#[cfg(feature = "schema")]
 pub(crate) fn number_or_null(description: &str) -> Schema {
     schemars::json_schema!({ "type": ["number", "null"], "description": description })
 }

@@ -1,15 +1,19 @@
 //! Answers about the motors of a catalogue alone: `rank --json`, `compare --json`, `audit --json`.
 
+#[cfg(feature = "schema")]
 use std::borrow::Cow;
 
+#[cfg(feature = "schema")]
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 use serde_json::Value;
 
 use super::design::Metrics;
+use super::document;
 use super::finite;
-use super::{document, number_or_null};
+#[cfg(feature = "schema")]
+use super::number_or_null;
 use crate::audit::{broken, word};
 use crate::catalog::lacks::counts;
 use crate::columns::metric_key;
@@ -21,7 +25,8 @@ use gearwise_model::catalog::audit::{self, audit_motor};
 use gearwise_model::catalog::{self, Catalog, Motor};
 
 /// What `rank` prints.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Ranked<'a> {
     /// The metric that orders.
     pub sorted_by: &'static str,
@@ -32,7 +37,8 @@ pub struct Ranked<'a> {
 }
 
 /// A motor in its place.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Place<'a> {
     /// Its place, from 1.
     pub rank: usize,
@@ -76,6 +82,7 @@ impl Serialize for Estimates<'_> {
     }
 }
 
+#[cfg(feature = "schema")]
 impl JsonSchema for Estimates<'_> {
     fn inline_schema() -> bool {
         true
@@ -114,7 +121,8 @@ pub fn ranked(ranking: &Ranking) -> Value {
 }
 
 /// What `compare` prints.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Compared<'a> {
     /// Actuator inertia that both are matched to.
     pub matched_inertia_kgm2: Option<f64>,
@@ -125,7 +133,8 @@ pub struct Compared<'a> {
 }
 
 /// One of two motors, as the program computes with it: power-invariant q axis.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Side<'a> {
     /// Id of the motor.
     pub motor: &'a str,
@@ -170,7 +179,8 @@ pub struct Side<'a> {
 }
 
 /// A price of a row.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Price {
     /// Of one.
     pub value: f64,
@@ -190,7 +200,8 @@ impl From<catalog::Price> for Price {
 }
 
 /// An actuator of the matched inertia.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Matched {
     /// Ratio N.
     pub ratio: f64,
@@ -201,7 +212,8 @@ pub struct Matched {
 }
 
 /// A response to a voltage step.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Step {
     /// Time to 63 % of the final speed.
     pub rise_time_s: f64,
@@ -216,7 +228,8 @@ impl From<step_response::StepResponse> for Step {
 }
 
 /// What the audit found in a row.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct AuditRemark {
     /// The check.
     pub code: &'static str,
@@ -280,7 +293,8 @@ pub fn compared(comparison: &Comparison) -> Value {
 }
 
 /// What `audit` prints.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Audited<'a> {
     /// Number of motors.
     pub motors: usize,
@@ -295,7 +309,8 @@ pub struct Audited<'a> {
 }
 
 /// Something that rows lack.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct LackedBy {
     /// What.
     pub lacks: &'static str,
@@ -308,7 +323,8 @@ pub struct LackedBy {
 }
 
 /// What the audit found, and in which row.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct AuditFinding<'a> {
     /// Id of the row.
     pub id: &'a str,

@@ -1,5 +1,6 @@
 //! `optimize --json`.
 
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
@@ -18,7 +19,8 @@ use gearwise_select::{outlook, robot};
 pub type Answer<'a> = OfRobot<'a, Robot<'a>, OfJoint<'a>>;
 
 /// The robot as a whole.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Robot<'a> {
     /// Name of the robot.
     pub name: &'a str,
@@ -39,7 +41,8 @@ pub struct Robot<'a> {
 }
 
 /// A joint and its motors.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct OfJoint<'a> {
     #[serde(flatten)]
     joint: Joint<'a>,

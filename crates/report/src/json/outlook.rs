@@ -1,5 +1,6 @@
 //! What is said of a first choice beside the choice: flatness, own bound, gears near by, the front.
 
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -16,7 +17,8 @@ use gearwise_select::outlook;
 use gearwise_select::program::Certificate;
 
 /// What is said of the first candidate beside the choice.
-#[derive(Debug, Default, Serialize, JsonSchema)]
+#[derive(Debug, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Outlook<'a> {
     /// Ratios that are nearly as good; left out where only certain ratios may be chosen.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -39,7 +41,8 @@ pub struct Outlook<'a> {
 }
 
 /// Ratios about the best one that keep every limit and are nearly as good.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Flatness {
     /// Smallest of them.
     pub from: f64,
@@ -52,7 +55,8 @@ pub struct Flatness {
 }
 
 /// The end of the requirement's range at which the best ratio stands, with better ones behind it.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct OwnBound {
     /// The end.
     pub ratio: f64,
@@ -65,7 +69,8 @@ pub struct OwnBound {
 }
 
 /// Gears of the catalogue near by.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct NearGears<'a> {
     /// How many were looked at: those of a ratio that is feasible or within 30 % of the best one, that fit the motor or do not
     /// say what they fit, and whose ratio the requirement allows.
@@ -78,7 +83,8 @@ pub struct NearGears<'a> {
 }
 
 /// Between which gears of the catalogue there is none that fits the motor and the requirement's ratios.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Gap<'a> {
     /// The next one of a smaller ratio; `null` where there is none.
     pub below: Option<GearAt<'a>>,
@@ -87,7 +93,8 @@ pub struct Gap<'a> {
 }
 
 /// A gear of the catalogue with its ratio.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct GearAt<'a> {
     /// Its id.
     pub gear: &'a str,
@@ -96,7 +103,8 @@ pub struct GearAt<'a> {
 }
 
 /// What a ratio near the best one costs.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Nearly {
     /// Ratio N.
     pub ratio: f64,
@@ -111,7 +119,8 @@ pub struct Nearly {
 }
 
 /// A gear of the catalogue, evaluated with its own efficiency, inertia, mass and ratings.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct NearGear<'a> {
     /// Its id.
     pub gear: &'a str,
@@ -151,7 +160,8 @@ pub struct NearGear<'a> {
 
 /// What of the objective is more, by what is changed one after the other. The parts add up to `more`, unless the gear's inertia is
 /// not known.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Parts {
     /// The described gear at the other ratio.
     pub ratio: f64,
@@ -165,7 +175,8 @@ pub struct Parts {
 }
 
 /// A gear of simple planetary stages.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Planetary {
     /// Teeth of sun and ring of each stage, the motor's first.
     pub teeth: Vec<[u32; 2]>,
@@ -175,7 +186,8 @@ pub struct Planetary {
 }
 
 /// A design between the lightest and the least loss.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct FrontDesign<'a> {
     /// Share of the loss in the weighted sum of loss/L₀ and mass/M₀: 0 is the lightest, 1 the least loss.
     pub share: f64,

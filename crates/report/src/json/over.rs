@@ -1,5 +1,6 @@
 //! `optimize --search --json`.
 
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
@@ -10,7 +11,8 @@ use crate::said::proof;
 use gearwise_select::over::{Looked, best};
 
 /// What `optimize --search` prints.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Answer<'a> {
     /// The key of the requirement that was searched over.
     pub key: &'a str,
@@ -27,7 +29,8 @@ pub struct Answer<'a> {
 }
 
 /// One value.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct At<'a> {
     /// The value.
     pub value: f64,
@@ -41,7 +44,8 @@ pub struct At<'a> {
 }
 
 /// The first choice of a joint at a value.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct OfJoint<'a> {
     /// The joint.
     pub joint: &'a str,

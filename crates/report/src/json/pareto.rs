@@ -1,5 +1,6 @@
 //! `optimize --pareto --json`.
 
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
@@ -15,7 +16,8 @@ use gearwise_select::pareto::Front;
 pub type Answer<'a> = OfRobot<'a, Named<'a>, OfJoint<'a>>;
 
 /// A joint and the front of two or more quantities.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct OfJoint<'a> {
     #[serde(flatten)]
     joint: Joint<'a>,
@@ -32,7 +34,8 @@ pub struct OfJoint<'a> {
 }
 
 /// A quantity of a front.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Axis {
     /// Its name.
     pub name: &'static str,
@@ -41,7 +44,8 @@ pub struct Axis {
 }
 
 /// A design on the front.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Point<'a> {
     #[serde(flatten)]
     design: Design<'a>,
@@ -53,7 +57,8 @@ pub struct Point<'a> {
 }
 
 /// The ratios of a motor that no other of its own betters in all quantities.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Efficient<'a> {
     /// Id of the motor.
     pub motor: &'a str,

@@ -1,5 +1,6 @@
 //! `identify --plan`: the part of `identify --json`.
 
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -12,7 +13,8 @@ use gearwise_identify::identify::plan::{
 };
 
 /// The next run, where one was asked for.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Planned<'a> {
     /// Where the set-points are; `null` where there are none.
     pub file: Option<String>,
@@ -31,7 +33,8 @@ pub struct Planned<'a> {
 }
 
 /// What a run does for two models.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Separation {
     /// The equation.
     pub equation: &'static str,
@@ -51,7 +54,8 @@ pub struct Separation {
 }
 
 /// A limit that is kept.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Limit<'a> {
     /// `speed`, `acceleration` and `torque` of the motor, `angle` (travel) of the output, `heat` (root mean square of the current over
     /// each passage) or `voltage`.
@@ -71,7 +75,8 @@ pub struct Limit<'a> {
 }
 
 /// A pair that has no part in the run.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct LeftAlone {
     /// The equation.
     pub equation: &'static str,

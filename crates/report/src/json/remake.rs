@@ -1,5 +1,6 @@
 //! The choice made again with what was measured, as an object of `identify --json`.
 
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -11,7 +12,8 @@ use gearwise_model::requirement::Joint;
 use gearwise_select::remake::{self, Chosen as ChosenFact, Regret as RegretFact};
 
 /// The choice made again.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Remade<'a> {
     /// The first choice of each joint before.
     pub before: Vec<First<'a>>,
@@ -22,7 +24,8 @@ pub struct Remade<'a> {
 }
 
 /// The first choice of a joint.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct First<'a> {
     /// Name of the joint.
     pub joint: &'a str,
@@ -31,7 +34,8 @@ pub struct First<'a> {
 }
 
 /// A choice, if there is one.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(untagged)]
 enum Any<'a> {
     Chosen(Box<Chosen<'a>>),
@@ -42,7 +46,8 @@ enum Any<'a> {
 }
 
 /// What the measurement changes at one joint.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct OfJoint<'a> {
     /// Name of the joint.
     pub joint: &'a str,
@@ -75,7 +80,8 @@ pub struct OfJoint<'a> {
 }
 
 /// The fitted motor without a part of what was fitted.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct WithoutPart<'a> {
     /// The part: the name of an effect, `friction`, `gear` or `numbers` (of the row).
     pub part: &'static str,
@@ -105,7 +111,8 @@ impl<'a> WithoutPart<'a> {
 }
 
 /// What became of a motor.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Choice<'a> {
     #[serde(flatten)]
     chosen: Option<Chosen<'a>>,
@@ -117,7 +124,8 @@ pub struct Choice<'a> {
 }
 
 /// A design that was chosen.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Chosen<'a> {
     /// Id of the motor.
     pub motor: &'a str,
@@ -140,7 +148,8 @@ pub struct Chosen<'a> {
 }
 
 /// What a choice made before comes to under the fitted model.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Regret {
     /// Its objective there.
     pub objective: Option<f64>,

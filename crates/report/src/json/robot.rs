@@ -1,5 +1,6 @@
 //! The choice for a whole robot, inside of `optimize --json`.
 
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -9,7 +10,8 @@ use gearwise_model::requirement;
 use gearwise_select::robot::{self, Apart, Wanting};
 
 /// The choice for a whole robot.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Choice<'a> {
     /// Whether there is a combination that keeps everything.
     pub satisfied: bool,
@@ -40,7 +42,8 @@ pub struct Choice<'a> {
 }
 
 /// What is minimised over the robot.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Total<'a> {
     /// Its name.
     pub name: &'a str,
@@ -53,7 +56,8 @@ pub struct Total<'a> {
 }
 
 /// The budgets of the requirement; `null` for none.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Budget {
     /// Mass of all actuators.
     pub actuator_mass_kg: Option<f64>,
@@ -67,7 +71,8 @@ pub struct Budget {
 }
 
 /// How sure the best combination is.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Proof<'a> {
     /// Whether it is proved.
     pub certified: bool,
@@ -88,7 +93,8 @@ pub struct Proof<'a> {
 }
 
 /// What may be better at a joint.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct MayBeBetter<'a> {
     /// Name of the joint.
     pub joint: &'a str,
@@ -97,7 +103,8 @@ pub struct MayBeBetter<'a> {
 }
 
 /// How far a search came.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct PartsOfAll {
     /// Parts of all combinations that were settled.
     pub settled: usize,
@@ -106,7 +113,8 @@ pub struct PartsOfAll {
 }
 
 /// What all actuators cost together.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Bill {
     /// Currency of the sums.
     pub currency: &'static str,
@@ -133,7 +141,8 @@ impl From<robot::Bill> for Bill {
 }
 
 /// A design for each joint.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Combination<'a> {
     /// The designs.
     pub joints: Vec<At<'a>>,
@@ -167,7 +176,8 @@ pub struct Combination<'a> {
 }
 
 /// A supply that sags under all joints together. What some give back to the bus is not counted on.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Sag<'a> {
     /// Lowest voltage of the bus, before the leads of a joint; null where the supply cannot give what all joints take.
     pub lowest_v: Option<f64>,
@@ -178,7 +188,8 @@ pub struct Sag<'a> {
 }
 
 /// A design of a combination.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct At<'a> {
     /// Name of the joint.
     pub joint: &'a str,
@@ -191,7 +202,8 @@ pub struct At<'a> {
 }
 
 /// What stands in the way; any of these alone.
-#[derive(Debug, Default, Serialize, JsonSchema)]
+#[derive(Debug, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Missing<'a> {
     /// No motor can do these joints.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -220,7 +232,8 @@ pub struct Missing<'a> {
 }
 
 /// What another budget would give.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct OtherBudget<'a> {
     /// Name of the budget.
     pub budget: &'static str,
@@ -235,7 +248,8 @@ pub struct OtherBudget<'a> {
 }
 
 /// A motor that cannot be judged, at a joint.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct UnjudgedAt<'a> {
     #[serde(flatten)]
     motor: Unjudged<'a>,

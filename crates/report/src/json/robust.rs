@@ -1,5 +1,6 @@
 //! `optimize --robust --json`.
 
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
@@ -15,7 +16,8 @@ use gearwise_select::robust::{self, RobustDesign, RobustJoint, SAMPLES, Taken, s
 pub type Answer<'a> = OfRobot<'a, Named<'a>, OfJoint<'a>>;
 
 /// A joint and the designs that keep all limits over the motors' tolerances.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct OfJoint<'a> {
     #[serde(flatten)]
     joint: Joint<'a>,
@@ -38,7 +40,8 @@ pub struct OfJoint<'a> {
 }
 
 /// A design over its tolerances: its figures are those of the printed numbers at the robust ratio.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Robust<'a> {
     #[serde(flatten)]
     design: Design<'a>,
@@ -61,7 +64,8 @@ pub struct Robust<'a> {
 }
 
 /// A number with its tolerance, in the sheet's convention, SI.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Tolerance {
     /// Column of the catalogue; of a fitted actuator also `effects.NAME.PARAMETER` and `gear.NAME`.
     pub column: String,
@@ -75,7 +79,8 @@ pub struct Tolerance {
 }
 
 /// The limit with the smallest margin.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Tightest {
     /// Name of the limit.
     pub limit: &'static str,
@@ -84,7 +89,8 @@ pub struct Tightest {
 }
 
 /// The best design for the printed numbers.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Nominal<'a> {
     /// Id of the gear.
     pub gear: Option<&'a str>,
@@ -95,7 +101,8 @@ pub struct Nominal<'a> {
 }
 
 /// A motor that is lost to its tolerances.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Lost<'a> {
     #[serde(flatten)]
     motor: Rejected<'a>,
@@ -104,7 +111,8 @@ pub struct Lost<'a> {
 }
 
 /// A motor among the first ones.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Contender<'a> {
     /// Id of the motor.
     pub motor: &'a str,
@@ -119,7 +127,8 @@ pub struct Contender<'a> {
 }
 
 /// A share of the samples.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Share {
     /// The share.
     pub share: f64,

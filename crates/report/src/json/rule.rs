@@ -1,5 +1,6 @@
 //! `rule --json`.
 
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
@@ -7,14 +8,16 @@ use serde_json::Value;
 use super::document;
 
 /// What `rule` prints.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Answer {
     /// The rules, or the one that was asked for.
     pub rules: Vec<Rule>,
 }
 
 /// A design rule.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Rule {
     /// Its code.
     pub code: &'static str,

@@ -1,5 +1,6 @@
 //! `sweep --json`.
 
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
@@ -15,7 +16,8 @@ use gearwise_select::answer::{JointSweep, SweptDesign};
 pub type Answer<'a> = OfRobot<'a, Named<'a>, OfJoint<'a>>;
 
 /// A joint and every design that was tried, each list in the order that was asked for.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct OfJoint<'a> {
     #[serde(flatten)]
     joint: Joint<'a>,

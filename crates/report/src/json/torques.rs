@@ -1,5 +1,6 @@
 //! `torques --json`, and what a requirement's own description of the robot gave.
 
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
@@ -10,7 +11,8 @@ use gearwise_model::mechanism::Motion as Degree;
 use gearwise_model::requirement::{Driven, Robot};
 
 /// What `torques` prints.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Answer<'a> {
     /// Name of the robot in its description.
     pub model: &'a str,
@@ -31,7 +33,8 @@ pub struct Answer<'a> {
 }
 
 /// A joint: one that turns has `…_nm` and `…_rad_per_s`, one that slides `…_n` and `…_m_per_s`.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct OfJoint<'a> {
     /// Name of the joint.
     pub joint: &'a str,
@@ -66,7 +69,8 @@ pub struct OfJoint<'a> {
 }
 
 /// How much the torque of one joint rises per kilogram of another's actuator.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Carried<'a> {
     /// The joint that carries.
     pub carrying_joint: &'a str,
@@ -79,7 +83,8 @@ pub struct Carried<'a> {
 }
 
 /// What a requirement's own description of the robot gave.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Mechanism<'a> {
     /// The description's file.
     pub model: &'a str,

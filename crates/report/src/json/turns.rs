@@ -1,5 +1,6 @@
 //! What another number of turns would do for a motor.
 
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -10,7 +11,8 @@ use gearwise_select::answer::Reason;
 use gearwise_select::turns::Rewinding;
 
 /// What a motor would do with another number of turns than its row.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct OtherTurns<'a> {
     /// `possible`, `impossible` (proved), `none_found` (not proved), `not_judged`, or `none` where it has no other number of turns.
     pub verdict: &'static str,
@@ -22,7 +24,8 @@ pub struct OtherTurns<'a> {
 }
 
 /// A design with another number of turns.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Rewound<'a> {
     /// Ratio N.
     pub ratio: f64,
@@ -51,7 +54,8 @@ pub struct Rewound<'a> {
 }
 
 /// A constant that goes with the turns.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Ask {
     /// Its symbol: `Kv`, `K_T` or `K_B`.
     pub symbol: &'static str,

@@ -27,6 +27,7 @@ pub mod sweep;
 pub mod temperature;
 pub mod torque_speed;
 pub mod trade;
+mod widths;
 
 use std::path::Path;
 
@@ -520,10 +521,9 @@ impl Format {
             #[cfg(feature = "png")]
             Some("png") => Ok(Format::Png),
             #[cfg(not(feature = "png"))]
-            Some("png") => Err(format!(
-                "`{}`: this gearwise was built without PNG (its feature `png`); draw an .svg",
-                path.display()
-            )),
+            Some("png") => {
+                Err(format!("`{}`: {}, or draw an .svg", path.display(), gearwise_model::words::not_built("PNG")))
+            }
             _ => Err(format!("`{}`: a picture's name ends in .svg or .png", path.display())),
         }
     }

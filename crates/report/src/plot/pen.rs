@@ -4,27 +4,18 @@
 //! is the same text on every machine; all text passes one escape.
 
 use std::fmt::Write as _;
-use std::sync::OnceLock;
 
-use skrifa::instance::{LocationRef, Size};
-use skrifa::{FontRef, MetadataProvider};
-
+use super::widths::{EM, WIDTHS};
 use super::{Dash, Shape};
 
 /// Latin and Greek letters of DejaVu Sans (free; its licence lies beside it), so that a PNG looks the same
 /// everywhere.
+#[cfg(feature = "png")]
 pub(super) const FONT: &[u8] = include_bytes!("font/DejaVuSans-subset.ttf");
 
 /// Advance of each character in ems; DejaVu Sans is among the widest, so that text in another font fits too.
 fn advance(character: char) -> f64 {
-    static WIDTHS: OnceLock<std::collections::HashMap<char, f64>> = OnceLock::new();
-    let widths = WIDTHS.get_or_init(|| {
-        let Ok(font) = FontRef::new(FONT) else { return Default::default() };
-        let metrics = font.glyph_metrics(Size::new(1.0), LocationRef::default());
-        let of = |(code, glyph)| Some((char::from_u32(code)?, f64::from(metrics.advance_width(glyph)?)));
-        font.charmap().mappings().filter_map(of).collect()
-    });
-    widths.get(&character).copied().unwrap_or(0.7)
+    WIDTHS.binary_search_by_key(&character, |(c, _)| *c).map_or(0.7, |k| f64::from(WIDTHS[k].1) / EM)
 }
 
 /// A raised figure or minus as the plain one: the font has not all of them, and they shall look alike.

@@ -386,14 +386,14 @@ pub(crate) fn draws(prepared: &Prepared, ratio: f64) -> Draws {
     power::Profile::of(prepared, ratio).draws(ratio, true)
 }
 
-/// What a supply with a resistance makes of all joints together, from the [`draws`] of each; `None` where it is stiff, or feeds one
+/// What a supply with a resistance makes of all joints together, from the `draws` of each; `None` where it is stiff, or feeds one
 /// actuator.
 pub fn sag(robot: &Robot, all: &[Draws]) -> Option<Sag> {
     let shared = robot.shared_resistance()?;
     power::sag(&power::Schedule::new(robot), all, (robot.bus.voltage, shared))
 }
 
-/// The most that all joints together give back to the bus at any instant \[W\], less what others draw then, from the [`draws`] of each;
+/// The most that all joints together give back to the bus at any instant \[W\], less what others draw then, from the `draws` of each;
 /// where they share no time base, the sum of what each gives back at most.
 pub fn most_returned(robot: &Robot, all: &[Draws]) -> f64 {
     power::most_returned(&power::Schedule::new(robot), all).0

@@ -28,10 +28,7 @@ const ARRAYS: &[(&str, &[u8], &str, Reader)] = &[
 const PARQUET: Reader = super::parquet::read;
 #[cfg(not(feature = "parquet"))]
 const PARQUET: Reader = |_, _| {
-    Err(vec![
-        Problem::whole("this build of gearwise has no reader for Parquet")
-            .help("build it with the feature `parquet`, or save the log as .npz or CSV"),
-    ])
+    Err(vec![Problem::whole(gearwise_model::words::not_built("Parquet")).help("or save the log as .npz or CSV")])
 };
 
 /// What a file begins with that is not read: what it is, and the line that makes one of it that is.
