@@ -13,8 +13,8 @@ use crate::effects::FittedEffect;
 /// What is known of a motor's drag.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Drag {
-    /// Its row declares Coulomb friction, or logs showed friction: the model has it by its columns and effects. What logs cannot show stays as
-    /// the row says.
+    /// Coulomb friction is declared by the row or identified from logs, and enters the model by columns and effects. Friction that the logs cannot
+    /// identify stays as printed.
     Declared,
     /// One torque without load, beyond viscous friction that the row declares.
     NoLoad {

@@ -288,12 +288,12 @@ impl<'p> Boxed<'p> {
         prepared_at(self.mount, self.all, at, |prepared| margins(prepared, ratio)).unwrap_or_default()
     }
 
-    /// What keeps the printed numbers or a corner from being a choice at a ratio, by what is not known.
+    /// Unknown that prevents a choice at a ratio, of the printed numbers or of a corner.
     fn doubt(&self, ratio: f64, only_checked: bool) -> Option<Remark> {
         self.all().find_map(|prepared| judge::doubt(prepared, ratio, only_checked))
     }
 
-    /// What becomes of one of several ratios over the tolerances.
+    /// Result at one of several ratios over the tolerances.
     fn tried(&self, objective: &Objective, ratio: f64, only_checked: bool) -> Tried {
         let exceeded = self.tightest(ratio).filter(|m| m.margin < -FEASIBILITY_TOLERANCE);
         let doubt =
@@ -310,7 +310,7 @@ impl<'p> Boxed<'p> {
         std::iter::once(&self.nominal).chain(self.corners.iter().map(|(prepared, _)| prepared))
     }
 
-    /// What is to be said of the printed numbers or of a corner at a ratio, each once.
+    /// Unchecked limits and assumptions of the printed numbers and the corners at a ratio, without repetition.
     fn judged(&self, ratio: f64) -> Judged {
         let mut all = Judged::default();
         for Judged { unchecked, assumed } in self.all().map(|prepared| prepared.judged(ratio)) {

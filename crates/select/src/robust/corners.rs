@@ -85,11 +85,11 @@ pub(super) enum Place {
 pub struct Toleranced {
     /// Column of the catalogue; of a fitted actuator also `effects.NAME.PARAMETER` and `gear.NAME`.
     pub column: Cow<'static, str>,
-    /// Whether it is a rating of a module, at its flange.
+    /// True for a rating of a module, at the flange.
     pub is_rating: bool,
     /// The printed number, SI, in the sheet's convention.
     pub value: f64,
-    /// Its ±, in the same unit: the larger one of both sides.
+    /// Tolerance in the same unit, the larger of both sides.
     pub tolerance: f64,
     /// The ends of what several sources print, where they are taken.
     pub published: Option<[f64; 2]>,
@@ -137,7 +137,7 @@ impl Toleranced {
         value.clamp(self.range[0], self.range[1])
     }
 
-    /// Whether zero is out of the question for the number, and the tolerance reaches it.
+    /// True where the tolerance reaches zero and the number cannot be zero.
     fn reaches_zero(&self) -> bool {
         let [low, _] = self.published.unwrap_or([self.value - self.tolerance, self.value]);
         !self.may_be_zero && low <= 0.0
@@ -152,7 +152,7 @@ fn rating(column: &str) -> &'static Field<ModuleSheet> {
     MODULE_FIELDS.iter().find(|f| f.name == column).expect("a column of the sheet")
 }
 
-/// Whether a column of the motor's sheet is a number that somebody knows: of a module whose row says no constants it is none.
+/// True where the motor's sheet states the column; a module whose row states no constants has none.
 fn is_known(motor: &Motor, column: &str) -> bool {
     let says = motor.inside.as_deref().is_none_or(Inside::says_currents);
     says || !["resistance", "torque_constant", "peak_current"].contains(&column)

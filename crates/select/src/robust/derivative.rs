@@ -18,7 +18,7 @@ const WHOLE: Interval = [f64::NEG_INFINITY, f64::INFINITY];
 /// Behaviour of a function along one coordinate over the whole box.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Along {
-    /// It does not depend on the coordinate.
+    /// Independent of the coordinate.
     Constant,
     /// Largest at the upper end.
     Rising,
@@ -118,7 +118,7 @@ impl Number {
         }
     }
 
-    /// Its square.
+    /// The square.
     #[must_use]
     pub fn square(&self) -> Number {
         self.chain(squared(self.value), product([2.0; 2], self.value), [2.0; 2])

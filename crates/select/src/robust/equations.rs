@@ -52,7 +52,7 @@ pub enum Reading {
 pub struct Equations<'e> {
     /// The candidate with the printed numbers.
     pub candidate: &'e Candidate<'e>,
-    /// Its tolerances.
+    /// The tolerances.
     pub all: &'e [Toleranced],
 }
 

@@ -173,9 +173,9 @@ fn directions(equations: &Equations, asked: &Asked, ratio: &Number, over: &[Inte
 
 /// Result of the proof of a limit over the box.
 enum Found {
-    /// It is kept everywhere.
+    /// Kept everywhere.
     Proven,
-    /// It is exceeded at a place.
+    /// Exceeded at a place of the box.
     Exceeded(Vec<f64>),
     /// Neither.
     Open,

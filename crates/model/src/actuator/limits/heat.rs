@@ -88,8 +88,8 @@ pub(super) const LIMITS: &[Limit] = &[
 /// Rise of the phase that carries two thirds of the heat at standstill over the mean of the three \[K\], of operating points in any order, where
 /// the winding stays below `hottest` \[K\]: from above, as if all the time at standstill were one hold.
 ///
-/// Its own way to the housing has three times the winding's resistance and a third of its capacity, and twice the mean phase's heat: it
-/// adds a first-order lag with the winding's resistance and time constant.
+/// The phase has three times the winding's thermal resistance to the housing, a third of its capacity, and twice the mean heat of a phase,
+/// which adds a first-order lag with the winding's resistance and time constant.
 fn rise_at_standstill(candidate: &Candidate, node: &TwoNode, hottest: f64, ratio: f64) -> f64 {
     if !node.phases || candidate.load.dwell == 0.0 {
         return 0.0;

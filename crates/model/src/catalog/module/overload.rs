@@ -31,7 +31,7 @@ pub struct Response {
 /// Time over which squared torques go linearly from one value to another.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Piece {
-    /// Its length \[s\].
+    /// Duration \[s\].
     pub lasts: f64,
     /// Squared torque while the rotor turns, at the start and at the end \[N²·m²\].
     pub turning: [f64; 2],
