@@ -36,7 +36,7 @@ longest() { # how large inputs may get [bytes]
 patience() { # after how long an input counts as a hang [s]: of a solver on a machine that has more to do, longer
     case $1 in
         optimize | solve) echo 120 ;;
-        *) echo 10 ;;
+        *) echo 5 ;;
     esac
 }
 
@@ -50,7 +50,7 @@ run_one() {
     local status=0
     # libFuzzer goes on after a slow input or one that takes much memory only where it is told so; a panic ends it.
     nice -n 5 "$built/$target" "work/$target" "corpus/$target" "work/seeds/$target" "${dictionary[@]}" \
-        -artifact_prefix="artifacts/$target/" -max_total_time="$seconds" -timeout="$(patience "$target")" -rss_limit_mb=1024 \
+        -artifact_prefix="artifacts/$target/" -max_total_time="$seconds" -timeout="$(patience "$target")" -rss_limit_mb=256 \
         -max_len="$(longest "$target")" -print_final_stats=1 > "$log" 2>&1 || status=$?
     report "$target" "$log" "$status"
 }
@@ -84,7 +84,7 @@ keep_one() { # a small set that reaches the same lines; of that, inputs of all s
     rm -rf "$least"
     mkdir -p "$least"
     "$built/$target" -set_cover_merge=1 -use_counters=0 -max_len="$(longest "$target")" -timeout="$(patience "$target")" \
-        -rss_limit_mb=1024 "$least" "work/$target" "corpus/$target" "work/seeds/$target" > "work/$target.merge.log" 2>&1
+        -rss_limit_mb=256 "$least" "work/$target" "corpus/$target" "work/seeds/$target" > "work/$target.merge.log" 2>&1
     find "$least" -type f -size -4097c -printf '%s %p\n' | sort -n > "$least.list"
     rm -rf "corpus/$target"
     mkdir "corpus/$target"
