@@ -8,6 +8,7 @@
 
 use std::{cell::RefCell, collections::BTreeMap, f64::consts::TAU, sync::Arc};
 
+use gearwise::actuator::Load;
 use gearwise::catalog::convention::{Commutation, Modulation};
 use gearwise::catalog::{Catalog, Motor, Printed};
 use gearwise::input::Source;
@@ -28,6 +29,8 @@ pub struct Case {
     pub raw: Vec<Point>,
     pub rippled: Vec<Point>,
     pub shares: Vec<[f64; 2]>,
+    /// The motion as the library has it, for the degrees to which slow samples are at rest.
+    pub load: Load,
     /// Rows of a family of gears, where the joint has one: the gear goes with the ratio.
     pub family: Vec<MapRow>,
     /// Whether these rows are the points of a named family: between two the efficiencies are those of the worse.
@@ -79,7 +82,34 @@ impl Case {
                 rippled.push(Point { torque: p.torque + amplitude * cos, torque_rate, ..*p });
             }
         }
-        Case { motor, robot, raw, rippled, shares, family: Vec::new(), named: false }
+        let load = Load::new(&joint.motion, None);
+        Case { motor, robot, raw, rippled, shares, load, family: Vec::new(), named: false }
+    }
+
+    /// Shares of the time at a ratio: slow samples are at rest to the degree that the library gives, which its own tests compare
+    /// with an integration over the angle of the field.
+    pub fn shares_at(&self, n: f64) -> Vec<[f64; 2]> {
+        let (pairs, tau) = self.field();
+        let load = self.load.standing(2.0 * pairs * n, tau);
+        if pairs == 0.0 || !load.counts_slow_motion() {
+            return self.shares.clone();
+        }
+        self.shares.iter().enumerate().map(|(k, [all, _])| [*all, load.share(k, 1.0) - load.share(k, 0.0)]).collect()
+    }
+
+    /// Pole pairs, none of a brushed motor, and the winding's time constant.
+    fn field(&self) -> (f64, f64) {
+        let motor = &self.motor;
+        let tau = motor.sheet.thermal_time_constant_winding.map_or(5.1, |tau| tau.value);
+        let pairs = motor.pole_pairs.filter(|pairs| *pairs > 0).unwrap_or(2);
+        (if motor.conventions.commutation == Commutation::Brushed { 0.0 } else { f64::from(pairs) }, tau)
+    }
+
+    /// Whether slow samples are at rest to any degree at some ratio of the range.
+    pub fn has_slow_motion(&self) -> bool {
+        let (min, _) = self.robot.joints[0].ratio.range().unwrap();
+        let (pairs, tau) = self.field();
+        pairs > 0.0 && self.load.standing(2.0 * pairs * min, tau).counts_slow_motion()
     }
 
     /// The joint's gear at a ratio, from the two rows about it: numbers of the load, of mass and of limits go with the square
@@ -264,7 +294,8 @@ impl Case {
         let [direct, rippled_direct] = shared.cloned().unwrap_or([direct, rippled_direct]);
         let torque = |p: &Point| most(p).abs();
         let largest = |list: &[Point], f: &dyn Fn(&Point) -> f64| list.iter().map(f).fold(f64::NEG_INFINITY, f64::max);
-        let timed = raw.iter().zip(&self.shares);
+        let shares = self.shares_at(n);
+        let timed = raw.iter().zip(&shares);
         let mean = |at: usize, f: &dyn Fn(&Point) -> f64| timed.clone().map(|(p, s)| s[at] * f(p).powi(2)).sum::<f64>();
         let weakened: f64 = self.shares.iter().zip(&direct).map(|(share, x)| share[0] * (k_t * x).powi(2)).sum();
         let (square, at_rest, load) = (mean(0, &usual) + weakened, mean(1, &usual), mean(0, &|p| p.torque));
@@ -327,7 +358,7 @@ impl Case {
         let once = matches!(joint.motion.course, Course::Once(_));
         let timed_bound = |bound: Option<f64>| bound.filter(|_| joint.motion.course != Course::Points(None));
         let meant = |bound: Option<f64>| timed_bound(bound).filter(|_| !once);
-        let stands = brushless && self.shares.iter().any(|share| share[1] > 0.0);
+        let stands = brushless && shares.iter().any(|share| share[1] > 0.0);
         // Of a motor with a continuous torque alone, the current that it takes.
         let of_torque = motor.continuous_torque.map(|torque| torque / k_t);
         let held = meant(least(motor.continuous_current, hot).or(of_torque)).filter(|_| stands);
@@ -460,16 +491,16 @@ impl Case {
     }
 
     /// Share of the time of each sample at standstill.
-    fn stands(&self) -> Vec<f64> {
+    fn stands(&self, n: f64) -> Vec<f64> {
         let brushless = self.motor.conventions.commutation == Commutation::Brushless;
-        self.shares.iter().map(|[all, rest]| if brushless && *all > 0.0 { rest / all } else { 0.0 }).collect()
+        self.shares_at(n).iter().map(|[all, rest]| if brushless && *all > 0.0 { rest / all } else { 0.0 }).collect()
     }
 
-    /// A heat over the course of the motion.
-    pub fn heat(&self, watt: impl FnMut(&Point) -> f64) -> Heat {
+    /// A heat over the course of the motion at a ratio.
+    pub fn heat(&self, n: f64, watt: impl FnMut(&Point) -> f64) -> Heat {
         let motion = &self.robot.joints[0].motion;
         let period = if let Course::Periodic(period) = motion.course { Some(period) } else { None };
-        Heat { time: motion.time.clone(), watt: self.raw.iter().map(watt).collect(), still: self.stands(), period }
+        Heat { time: motion.time.clone(), watt: self.raw.iter().map(watt).collect(), still: self.stands(n), period }
     }
 
     /// Copper heat at a ratio.
@@ -482,7 +513,7 @@ impl Case {
         let j = motor.rotor_inertia.unwrap() + gear.inertia;
         let b = motor.viscous_friction.unwrap_or(0.0) + gear.no_load.viscous + drag[1];
         let rubbing = motor.coulomb_friction.unwrap_or(0.0) + gear.no_load.coulomb + drag[0];
-        self.heat(|p| {
+        self.heat(n, |p| {
             let phi = if p.torque * p.velocity < 0.0 { gear.backdrive_efficiency } else { 1.0 / gear.efficiency };
             if p.velocity == 0.0 {
                 return motor.resistance * ((p.torque / n + n * j * p.acceleration) / motor.torque_constant).powi(2);
@@ -916,6 +947,15 @@ pub fn draw(index: u64, convex: bool) -> Case {
     for k in (0..count).filter(|k| stands[*k]) {
         if count > 1 && (beside(k, (k + 1) % count) || beside(k, (k + count - 1) % count)) {
             (raw[k].acceleration, raw[k].jerk) = (0.0, 0.0);
+        }
+    }
+    // In one case of five, what would stand creeps to and fro: from far below to far above what counts as standstill.
+    if index % 5 == 2 {
+        let mut creeps = Pcg64::seed_from_u64(index ^ 0xc4ee);
+        let most = 10.0_f64.powf(creeps.random_range(-4.0..0.0)) / matched;
+        for k in (0..count).filter(|k| stands[*k]) {
+            let size = most * creeps.random_range(0.2..1.0);
+            raw[k].velocity = if creeps.random_range(0.0..1.0) < 0.5 { size } else { -size };
         }
     }
     let column = |f: fn(&Point) -> f64| Some(raw.iter().map(f).collect::<Vec<f64>>());

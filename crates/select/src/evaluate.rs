@@ -254,7 +254,7 @@ impl<'a> Prepared<'a> {
 
     /// What could not be checked at a ratio, and what was assumed there.
     pub fn judged(&self, ratio: f64) -> Judged {
-        if self.candidate.whole_map().is_some() {
+        if self.candidate.whole_map().is_some() || self.candidate.by_ratio.is_some() {
             return self.at_ratio(ratio, |here| here.judged(ratio));
         }
         let mut judged = self.judged_anywhere();

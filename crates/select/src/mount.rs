@@ -104,7 +104,20 @@ impl<'a: 'l, 'l> Mount<'a, 'l> {
         };
         let (actuator, other) = complete(actuator, robot, joint, motor, &gear);
         let map = joint.gear_map.as_deref().filter(|_| catalog_gear.is_none()).map(MapPart::Whole);
-        Ok(Candidate { robot, joint, load, motor, catalog_gear, gear, actuator, other, map, folded: false })
+        let candidate = Candidate {
+            robot,
+            joint,
+            load,
+            motor,
+            catalog_gear,
+            gear,
+            actuator,
+            other,
+            map,
+            folded: false,
+            by_ratio: None,
+        };
+        Ok(candidate.standing_between(self.range()))
     }
 
     /// The candidate with its limits gathered.

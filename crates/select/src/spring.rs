@@ -52,7 +52,8 @@ pub(super) fn choose(
         return choose_of_module(mount, prepared, &asked, min);
     }
     // Effects that are evaluated, or that bend torque over current, have no place in the spring's forms.
-    if prepared.candidate.is_evaluated() || !prepared.candidate.actuator.shortfall.is_nothing() {
+    let settled = prepared.candidate.standing_at(min);
+    if settled.is_evaluated() || !prepared.candidate.actuator.shortfall.is_nothing() {
         return Err(Reason::NotSolved(Unsolved::SpringWithEffects));
     }
     let found = spring::solve(prepared, &joint.objective, &asked, (min, max), covered(mount)).map_err(Reason::from)?;

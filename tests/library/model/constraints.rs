@@ -369,3 +369,31 @@ fn torque_beyond_what_the_iron_gives_cannot_be_had() {
     };
     assert_eq!((of(19.0), of(20.2)), (true, false));
 }
+
+/// 9 N·m at 10:1 for ten hours: at rest one phase carries two thirds of the heat, and at 1e-9 rad/s the field turns by 0.0025 rad.
+#[test]
+fn a_hold_is_judged_alike_at_rest_in_a_creep_and_with_noise() {
+    let table = "id,terminals,current,source,source_kind,pole_pairs,resistance [ohm],inductance [H],torque_constant [N*m/A],rotor_inertia [kg*m^2],mass [kg],continuous_current [A],coulomb_friction [N*m]
+m,q_axis,q_axis,t,derived,7,0.2,1e-4,0.1,1e-6,0.3,10,0\n";
+    let with = |motion: &str, ratio: &str| {
+        robot(&format!(
+            "name = 'x'\n[bus]\nvoltage = '48 V'\n[[joint]]\nname = 'j'\nratio = {ratio}\ngear = {{ efficiency = 1.0 }}\nobjective = 'copper_loss'\n{motion}"
+        ))
+    };
+    let point = |speed: f64| format!("points = [{{ torque = '9 N*m', speed = '{speed:e} rad/s', duration = '10 h' }}]");
+    let fixed = "{ min = 10, max = 10 }";
+    let at_speed = |speed: f64| at(&with(&point(speed), fixed), table, 10.0);
+    let held = margin(&at_speed(0.0), "standstill_holding");
+    assert_relative_eq!(held.0, 9.0 * 2.0_f64.sqrt(), max_relative = 1e-12);
+    assert_eq!(margin(&at_speed(1e-9), "standstill_holding"), held);
+    assert!(at_speed(1e-3).margins.iter().any(|m| m.limit == "standstill_holding" && m.demand < 0.99 * held.0));
+    assert!(at_speed(0.1).feasible && at_speed(0.1).margins.iter().all(|m| m.limit != "standstill_holding"));
+    // A range of ratios has the same at each of them.
+    let (range, creep) = ("{ min = 1, max = 1000 }", point(3e-3));
+    for ratio in [1.0, 3.3, 10.0, 100.0, 1000.0] {
+        let alone = at(&with(&creep, &format!("{{ min = {ratio}, max = {ratio} }}")), table, ratio);
+        let within = at(&with(&creep, range), table, ratio);
+        let demands = |e: &Evaluation| e.margins.iter().map(|m| (m.limit, m.demand)).collect::<Vec<_>>();
+        assert_eq!(demands(&alone), demands(&within), "at {ratio}");
+    }
+}

@@ -178,7 +178,8 @@ fn own(case: &Case, n: f64) -> Own {
         0.5 * (low + high)
     };
     let heating = |p: &Point| current(((usual(p).powi(2) + ripple_square) * factor).sqrt()).powi(2);
-    let timed = || case.raw.iter().zip(&case.shares);
+    let shares_here = case.shares_at(n);
+    let timed = || case.raw.iter().zip(&shares_here);
     let mean = |f: &dyn Fn(&Point) -> f64| timed().map(|(p, s)| s[0] * f(p)).sum::<f64>();
     let squared_current = mean(&heating);
     let at_rest = timed().map(|(p, s)| s[1] * heating(p)).sum::<f64>();
@@ -235,7 +236,7 @@ fn own(case: &Case, n: f64) -> Own {
     }
     if let Some(nodes) = case.nodes() {
         let bound = hot.map(|t| (t - robot.ambient).max(0.0));
-        limit("winding_peak_temperature", nodes.peak(&case.heat(|p| r * heating(p))), bound);
+        limit("winding_peak_temperature", nodes.peak(&case.heat(n, |p| r * heating(p))), bound);
     }
     let drawn = |p: &Point| {
         let watt = r * heating(p) + k_b * n * p.velocity * usual(p) / k;

@@ -410,7 +410,11 @@ fn friction_leaves_means_exact_and_peaks_not() {
     });
     let mut robot = common::robot(Motion::from_points(&points), common::gear(0.9));
     robot.joints[0].ratio = RatioChoice::Continuous { min: 2.0, max: 200.0 };
-    let all = catalog(vec![row("rubs", &[("coulomb_friction [N*m]", "0.02")]), row("free", &[("mass [kg]", "0.3")])]);
+    // So many poles that no point is slow.
+    let poles = ("pole_pairs", "70");
+    let rows =
+        vec![row("rubs", &[("coulomb_friction [N*m]", "0.02"), poles]), row("free", &[("mass [kg]", "0.3"), poles])];
+    let all = catalog(rows);
     let front = front_of(&robot, &all, &[Quantity::Loss, Quantity::Mass, Quantity::ReflectedInertia]);
     assert!(front.efficient.iter().all(|of| of.certified && of.from == 2.0 && of.to > 5.0), "{:?}", front.efficient);
     // The end is where the loss of a scan is least.

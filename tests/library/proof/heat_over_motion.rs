@@ -283,9 +283,10 @@ fn points_without_durations_are_kept_where_the_hottest_is_for_ever() {
 
 #[test]
 fn a_motion_that_happens_once_is_judged_from_cold() {
-    // 30 A for half a second: 900 W into 100 J/K.
+    // 30 A for half a second: 900 W into 100 J/K. At 20 rad/s it is not slow.
     let once = [(0.5, 30.0)];
-    let robot = holds(&once, |_| Course::Once(0.5 - 1e-6));
+    let mut robot = holds(&once, |_| Course::Once(0.5 - 1e-6));
+    Arc::make_mut(&mut robot.joints[0].motion).velocity.iter_mut().for_each(|speed| *speed *= 20.0);
     let (evaluation, judged) = look(&robot, &motor(&[], &[]), 1.0);
     assert!(evaluation.feasible, "{:?}", evaluation.tightest());
     let rise = integrate([0.0; 2], &[(0.5, 900.0)]).1;

@@ -129,7 +129,8 @@ fn optima_are_stationary_points_of_their_lagrangian() {
     let found: Vec<(u64, Residual)> = cases(0, 1000)
         .into_par_iter()
         .filter_map(|i| {
-            let case = draw(i, true);
+            // Where the degree of standstill steps the optimum is no stationary point.
+            let case = Some(draw(i, true)).filter(|case| !case.has_slow_motion())?;
             Some((i, check(&case, &solved::solve(&case.motor, &case.robot).ok()?)?))
         })
         .collect();

@@ -9,6 +9,7 @@ use std::cell::RefCell;
 use std::f64::consts::TAU;
 
 use approx::assert_relative_eq;
+use gearwise::actuator::Load;
 use gearwise::catalog::{Catalog, Motor};
 use gearwise::design::answer::Design;
 use gearwise::design::optimize::optimize;
@@ -30,6 +31,8 @@ struct Case {
     robot: Robot,
     raw: Samples,
     period: f64,
+    /// The motion as the library has it, for the degrees to which slow samples are at rest.
+    load: Load,
 }
 
 /// What one ratio with one spring comes to.
@@ -57,6 +60,8 @@ impl Case {
         let j = motor.rotor_inertia.unwrap() + gear.inertia;
         let (b, c) = (motor.viscous_friction.unwrap_or(0.0), motor.coulomb_friction.unwrap_or(0.0));
         let count = raw.time.len();
+        let slow = self.load.standing(2.0 * if poles > 0.0 { poles } else { 2.0 } * n, 5.1);
+        let mut standing = 0.0;
         let column = |values: &Option<Vec<f64>>, k: usize| values.as_ref().unwrap()[k];
         let (mut mean, mut peak, mut volt, mut watt, mut back, mut out) =
             (0.0, 0.0_f64, 0.0_f64, f64::MIN, f64::MIN, 0.0_f64);
@@ -82,6 +87,7 @@ impl Case {
                 if k + 1 < count { raw.time[k + 1] - raw.time[k] } else { self.period + raw.time[0] - raw.time[k] };
             let share = 0.5 * (before + after) / self.period;
             mean += share * i * i;
+            standing += (slow.share(k, 1.0) - slow.share(k, 0.0)) * i * i;
             wear += share * omega.abs() * tau.abs().powi(3);
             fast += share * omega.abs();
             let from_bus = power * if power > 0.0 { 1.0 / bus.drive_efficiency } else { bus.drive_efficiency };
@@ -101,7 +107,7 @@ impl Case {
             }
         };
         limit(peak, motor.peak_current);
-        limit(mean.sqrt(), motor.continuous_current);
+        limit((mean + standing).sqrt(), motor.continuous_current);
         limit(volt, Some(bus.voltage * 0.5_f64.sqrt()));
         limit(out, gear.peak_torque);
         limit((wear / fast).cbrt(), gear.ratings.average_torque);
@@ -253,7 +259,8 @@ fn draw(seed: u64, kind: Kind) -> Case {
         },
         _ => Objective::single(single[within(0.0, 5.0) as usize]),
     };
-    let mut case = Case { motor, robot, raw, period };
+    let load = Load::new(&robot.joints[0].motion, None);
+    let mut case = Case { motor, robot, raw, period, load };
     // Every third case has a given ratio, every third a given rest angle: plane scans see those densely.
     let n = matched * around(0.6, 1.6);
     let joint = &mut case.robot.joints[0];
@@ -265,7 +272,13 @@ fn draw(seed: u64, kind: Kind) -> Case {
     // Limits around what the best ratio and spring without them need.
     let [n, k, rest] = case.scan([[1, 15, 15], [15, 15, 1], [11, 9, 9]][(seed % 3) as usize], 6).unwrap().1;
     let need = |f: &dyn Fn(&mut Case)| {
-        let mut other = Case { motor: case.motor.clone(), robot: case.robot.clone(), raw: case.raw.clone(), period };
+        let mut other = Case {
+            motor: case.motor.clone(),
+            robot: case.robot.clone(),
+            raw: case.raw.clone(),
+            period,
+            load: case.load.clone(),
+        };
         f(&mut other);
         other.look(n.exp(), k, rest).excess + 1.0
     };
@@ -317,7 +330,7 @@ fn sizes_are_no_torques() {
         (joint.limits.min_stiffness, joint.limits.shock_torque) = (Some(1e-6), Some(shock));
         (joint.gear.backlash, joint.gear.stiffness) = (Some(1e-6), Some(2e-6));
         joint.gear.ratings.momentary_peak_torque = Some(2e-6);
-        let case = Case { motor, robot, raw: case.raw.clone(), period: case.period };
+        let case = Case { motor, robot, raw: case.raw.clone(), period: case.period, load: case.load.clone() };
         solved(&case, |found| found.map(|design| design.optimum.objective))
     };
     let found = with(2e-6, 2e-6, 1e-6).unwrap();
@@ -514,7 +527,8 @@ fn a_spring_cancels_gravity_on_paper() {
     let mut robot = common::robot(Motion::from_samples(samples.clone(), Course::Periodic(period)), GearModel::IDEAL);
     robot.joints[0].ratio = RatioChoice::Continuous { min: 10.0, max: 10.0 };
     robot.joints[0].limits.spring = Some(Spring { stiffness: [0.0, 30.0], rest_angle: [-1.0, 1.0], ..common::SPRING });
-    let case = Case { motor, robot, raw: samples, period };
+    let load = Load::new(&robot.joints[0].motion, None);
+    let case = Case { motor, robot, raw: samples, period, load };
     solved(&case, |design| {
         let design = design.unwrap();
         let spring = design.spring.unwrap();
@@ -530,7 +544,13 @@ fn a_spring_cancels_gravity_on_paper() {
         assert!(design.evaluation.copper_loss < 1e-9 * loss, "{} of {loss}", design.evaluation.copper_loss);
     });
     // Gravity alone in the spring's range: what is left is the inertia's.
-    let mut bound = Case { robot: case.robot.clone(), motor: case.motor.clone(), raw: case.raw.clone(), period };
+    let mut bound = Case {
+        robot: case.robot.clone(),
+        motor: case.motor.clone(),
+        raw: case.raw.clone(),
+        period,
+        load: case.load.clone(),
+    };
     bound.robot.joints[0].limits.spring =
         Some(Spring { stiffness: [0.0, gravity], rest_angle: [-1.0, 1.0], ..common::SPRING });
     solved(&bound, |design| {

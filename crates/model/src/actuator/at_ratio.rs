@@ -8,6 +8,9 @@ use super::shaft::Flow;
 impl Candidate<'_> {
     /// The candidate at one ratio, with the effects that have to be evaluated there in its samples.
     pub fn at_ratio<T>(&self, ratio: f64, look: impl FnOnce(&Candidate) -> T) -> T {
+        if self.by_ratio.is_some() {
+            return self.standing_at(ratio).at_ratio(ratio, look);
+        }
         if let Some(map) = self.whole_map() {
             return look(&Candidate { folded: true, ..self.with_gear(map.gear(&self.gear, ratio), None) });
         }

@@ -2,6 +2,7 @@
 
 use super::estimate::ASSUMED_WINDING_TEMPERATURE;
 use super::fitted;
+use super::limits::LEAST_TIME_CONSTANT;
 use super::load::Load;
 use super::shaft::{Actuator, End, Feature};
 use super::supply::{Drawn, Supply};
@@ -15,6 +16,9 @@ use crate::catalog::module::Drive;
 use crate::catalog::{Gear, Motor};
 use crate::numerics::laurent::Laurent;
 use crate::requirement::{GearMap, GearModel, GearPiece, Joint, MotorDrag, Robot, Turns};
+
+/// Fewest pole pairs of a brushless motor in the catalogue.
+const FEWEST_POLE_PAIRS: u32 = 2;
 
 /// A motor and a gear for a joint, before the ratio is chosen.
 #[derive(Debug, Clone, Copy)]
@@ -39,6 +43,9 @@ pub struct Candidate<'a> {
     pub map: Option<MapPart<'a>>,
     /// Whether load and actuator are those of one ratio, with the evaluated effects in them.
     pub folded: bool,
+    /// The load without slow samples at standstill, where the ratio decides to what degree they are; then `load` has them as the
+    /// smallest ratio does, to the largest degree.
+    pub by_ratio: Option<&'a Load>,
 }
 
 /// What of a family of gears a candidate has.
@@ -103,7 +110,41 @@ impl<'a> Candidate<'a> {
 
     /// The candidate with what one of two actuators does; itself where there is one.
     pub(crate) fn of_actuator(&self, which: Option<usize>) -> Candidate<'a> {
-        Candidate { load: self.load.of_actuator(which), ..*self }
+        let by_ratio = self.by_ratio.map(|load| load.of_actuator(which));
+        Candidate { load: self.load.of_actuator(which), by_ratio, ..*self }
+    }
+
+    /// Twice the electrical angle per angle of the output at a ratio of one, 2 p, and the winding's time constant \[s\]; `None` of a
+    /// brushed motor. Where either is not known, the value for which the most stands: the fewest pole pairs and the shortest time
+    /// constant of the catalogue.
+    fn field(&self) -> Option<(f64, f64)> {
+        let motor = self.motor;
+        let tau = motor.sheet.thermal_time_constant_winding.map_or(LEAST_TIME_CONSTANT, |tau| tau.value);
+        let pairs = motor.pole_pairs.filter(|pairs| *pairs > 0).unwrap_or(FEWEST_POLE_PAIRS);
+        (motor.conventions.commutation == Commutation::Brushless).then_some((2.0 * f64::from(pairs), tau))
+    }
+
+    /// The candidate with slow samples at standstill to the degree that the ratios of a range make them.
+    #[must_use]
+    pub fn standing_between(self, range: Option<(f64, f64)>) -> Candidate<'a> {
+        let Some((kappa, tau)) = self.field() else { return self };
+        let (min, max) = range.unwrap_or((0.0, f64::INFINITY));
+        let [most, least] = [min, max].map(|ratio| self.load.standing(kappa * ratio.abs(), tau));
+        let by_ratio = (!std::ptr::eq(most, least)).then_some(self.load);
+        Candidate { load: most, by_ratio, ..self }
+    }
+
+    /// The candidate with slow samples at standstill as a ratio makes them.
+    #[must_use]
+    pub fn standing_at(&self, ratio: f64) -> Candidate<'a> {
+        let Some((load, (kappa, tau))) = self.by_ratio.zip(self.field()) else { return *self };
+        Candidate { load: load.standing(kappa * ratio.abs(), tau), by_ratio: None, ..*self }
+    }
+
+    /// The ratios between two at which the degree changes to which slow samples are at standstill, in rising order.
+    pub fn standing_changes(&self, (min, max): (f64, f64)) -> Vec<f64> {
+        let Some((load, (kappa, tau))) = self.by_ratio.zip(self.field()) else { return Vec::new() };
+        load.changes_between((kappa * min, kappa * max), tau).into_iter().map(|at| at / kappa).collect()
     }
 
     /// The candidate as each of its actuators is: once, or for both of two.
@@ -255,7 +296,11 @@ impl Candidate<'_> {
 
     /// Whether some effect of the motor, or the current that weakens its field, has to be evaluated at each ratio.
     pub fn is_evaluated(&self) -> bool {
-        !self.folded && (self.has_evaluated_effects() || self.along_d().is_some() || self.whole_map().is_some())
+        !self.folded
+            && (self.by_ratio.is_some()
+                || self.has_evaluated_effects()
+                || self.along_d().is_some()
+                || self.whole_map().is_some())
     }
 
     /// Whether some effect of the motor has to be evaluated at each ratio.

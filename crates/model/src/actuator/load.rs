@@ -7,6 +7,7 @@ use std::sync::{Arc, OnceLock};
 use super::along_d::Needs;
 use super::heat_course::HeatCourse;
 use super::shaft::{Actuator, End, FEATURE_POWER, FEATURES, FLOWS, Feature, Flow, ShaftForm, sign};
+use super::standing::{GRADES, Stood, Sweep};
 use super::stretch::Piece;
 use super::supply::Drawn;
 use super::thermal::winding_temperature;
@@ -99,9 +100,17 @@ pub struct Load {
     /// `bandwidth` with the currents along d that it needs, once they were asked for.
     rippled: OnceLock<Waveform>,
     weight: Arc<[f64]>,
-    /// Share of all time that each sample has at standstill, and 1 where it has some, else 0.
+    /// Share of all time that each sample has at standstill, and the degree to which it stands: 1 where it has some at rest.
     rest: Arc<[f64]>,
     still: Arc<[f64]>,
+    /// Share of all time at standstill as the winding has it; with [`Load::standing`] that of samples that move slowly too.
+    stands: f64,
+    /// The angles that the motion sweeps; `None` where it has none between its samples.
+    pub(super) sweep: Option<Arc<Sweep>>,
+    /// This load with slow samples at standstill.
+    pub(super) stood: Stood,
+    /// κ and time constant \[s\] that it was made for, where slow samples count as standstill.
+    pub(super) stands_at: Option<(f64, f64)>,
     /// Which sample follows which.
     steps: Arc<[Step]>,
     /// Where the gear is one of a family: the same on each piece of it.
@@ -228,6 +237,10 @@ impl Load {
             weight: motion.weight.as_slice().into(),
             rest: motion.dwell.as_slice().into(),
             still: motion.dwell.iter().map(|dwell| f64::from(*dwell > 0.0)).collect(),
+            stands: motion.dwell.iter().sum(),
+            sweep: Some(Arc::new(Sweep::new(motion))),
+            stood: Stood::default(),
+            stands_at: None,
             steps: Step::all(motion).into(),
             pieces: Vec::new(),
             actuators,
@@ -286,6 +299,29 @@ impl Load {
             load.with_points(samples, |wave| wave.changed(change))
         };
         Load { actuators: self.actuators.iter().map(folded).collect(), ..folded(self) }
+    }
+
+    /// The same with samples that move at standstill to these degrees, made for a κ and a time constant \[s\].
+    pub(super) fn with_degrees(&self, degrees: &[u8], at: (f64, f64)) -> Load {
+        let degree = |k: usize| f64::from(degrees[k]) / GRADES;
+        let rest = |k: usize| self.rest[k] + (self.weight[k] - self.rest[k]).max(0.0) * degree(k);
+        let rest: Arc<[f64]> = (0..degrees.len()).map(rest).collect();
+        Load {
+            standstill: moments(&self.samples, &rest),
+            still: self.still.iter().enumerate().map(|(k, still)| still.max(degree(k))).collect(),
+            stands: rest.iter().sum(),
+            rest,
+            sweep: None,
+            stands_at: Some(at),
+            pieces: self.pieces.iter().map(|piece| piece.with_degrees(degrees, at)).collect(),
+            actuators: self.actuators.iter().map(|each| each.standing(at.0, at.1).clone()).collect(),
+            ..self.clone()
+        }
+    }
+
+    /// Share of all time at standstill, as the winding has it.
+    pub fn stands_for(&self) -> f64 {
+        self.stands
     }
 
     /// The same with other samples in means, and what a change makes of those of limits.
@@ -460,11 +496,11 @@ impl Load {
     /// stands, the worst phase carries 2/3 of the heat instead of 1/3.
     pub fn mean_torque_squared_standing(&self, actuator: &Actuator, standing: f64) -> Laurent {
         let mean = self.mean_torque_squared(actuator);
-        if standing == 0.0 || self.dwell == 0.0 {
+        if standing == 0.0 || self.stands == 0.0 {
             return mean;
         }
         let at_rest = quadratic(&self.standstill, |flow| (actuator.torque_form(flow), actuator.torque_form(flow)));
-        let more = actuator.shortfall.mean_square() * self.dwell + self.mean_direct_squared(&self.rest);
+        let more = actuator.shortfall.mean_square() * self.stands + self.mean_direct_squared(&self.rest);
         mean + (at_rest + Laurent::constant(more)) * standing
     }
 
@@ -764,7 +800,7 @@ impl Load {
 
     /// True if the phases of the winding have temperatures of their own.
     fn has_phases(&self, node: &TwoNode) -> bool {
-        node.phases && self.dwell > 0.0
+        node.phases && self.stands > 0.0
     }
 
     /// The heat of every entry of the course, and of its hottest phase, empty where the phases share the heat alike.
@@ -833,16 +869,20 @@ impl Load {
 
     /// The largest heat at standstill \[W\] at a ratio, at the reference temperature; how long the motion stands in all
     /// \[s\]; and after what time it is made again \[s\], infinite where it is made once.
-    pub fn standing(&self, actuator: &Actuator, ratio: f64) -> (f64, f64, f64) {
+    pub fn heat_at_standstill(&self, actuator: &Actuator, ratio: f64) -> (f64, f64, f64) {
         let duration = self.moves;
         let cycle = match self.course.as_deref() {
             None => duration,
             Some(HeatCourse { course: Course::Periodic, lasts, .. }) => *lasts,
             Some(_) => f64::INFINITY,
         };
-        let heat = self.copper_heat(actuator, ratio).into_iter().zip(self.rest.iter());
-        let largest = heat.filter(|(_, rest)| **rest > 0.0).map(|(heat, _)| heat).fold(0.0, f64::max);
-        (largest, self.dwell * duration, cycle)
+        let heat = self.copper_heat(actuator, ratio).into_iter().zip(self.still.iter());
+        let largest = heat.map(|(heat, still)| heat * still).fold(0.0, f64::max);
+        let stands = self.still.iter().zip(self.weight.iter()).filter(|(still, _)| **still > 0.0);
+        let partly: f64 = stands.map(|(_, weight)| weight).sum();
+        // What stands to a degree lasts all of its time, with its degree of the heat.
+        let lasts = if self.stands_at.is_some() { partly } else { self.stands };
+        (largest, lasts * duration, cycle)
     }
 
     /// What the heat of a sample counts as, for the phase that is worst off.

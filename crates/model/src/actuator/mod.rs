@@ -20,6 +20,7 @@ pub mod losses;
 pub mod metrics;
 pub mod parts;
 pub mod shaft;
+mod standing;
 pub mod step_response;
 pub mod stretch;
 pub mod supply;

@@ -103,19 +103,30 @@ pub fn limits(evaluations: &[Evaluation], optimum: Option<&Optimum>, here: f64) 
         Some(o) => o.windows.iter().any(|w| n >= w.min && n <= w.max),
         None => (n / here).ln().abs() < 0.2,
     };
-    let use_of = |k: usize| {
-        let near = evaluations.iter().filter(|e| within(e.ratio)).map(|e| 1.0 - e.margins[k].margin);
-        near.fold(0.0, f64::max)
+    // What slow samples ask at standstill is asked at small ratios alone.
+    let mut asked: Vec<(&'static str, Option<usize>)> = Vec::new();
+    for margin in evaluations.iter().flat_map(|e| &e.margins) {
+        let key = (margin.limit, margin.actuator);
+        if !asked.contains(&key) {
+            asked.push(key);
+        }
+    }
+    let margin = |e: &Evaluation, key: (&str, Option<usize>)| {
+        e.margins.iter().find(|margin| (margin.limit, margin.actuator) == key).map(|margin| margin.margin)
     };
-    let count = evaluations[0].margins.len();
-    let mut order: Vec<(usize, f64)> = (0..count).map(|k| (k, use_of(k))).collect();
-    order.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+    let use_of = |key: (&str, Option<usize>)| {
+        let near = evaluations.iter().filter(|e| within(e.ratio)).filter_map(|e| margin(e, key));
+        near.fold(0.0, |most: f64, margin| most.max(1.0 - margin))
+    };
+    let mut order: Vec<((&'static str, Option<usize>), f64)> =
+        asked.into_iter().map(|key| (key, use_of(key))).collect();
+    order.sort_by(|a, b| b.1.total_cmp(&a.1));
     let mut nearest = Vec::new();
-    for (k, _) in order.iter().take(LIMITS) {
-        let margin = |e: &Evaluation| if e.margins[*k].margin <= -1e5 { f64::NAN } else { 1.0 - e.margins[*k].margin };
-        let points = evaluations.iter().map(|e| (e.ratio, margin(e))).collect();
-        let name = evaluations[0].margins[*k].limit;
-        nearest.push(Series::new(Tone::Black, Mark::Line(Dash::Solid), points).named(name));
+    for (key, _) in order.iter().take(LIMITS) {
+        let share =
+            |e: &Evaluation| margin(e, *key).filter(|margin| *margin > -1e5).map_or(f64::NAN, |margin| 1.0 - margin);
+        let points = evaluations.iter().map(|e| (e.ratio, share(e))).collect();
+        nearest.push(Series::new(Tone::Black, Mark::Line(Dash::Solid), points).named(key.0));
     }
     for (rank, series) in super::merge_coincident(nearest, HIGHEST).into_iter().enumerate() {
         panel.series.push(Series { tone: Tone::nth(rank), mark: Mark::Line(Dash::nth(rank)), ..series });

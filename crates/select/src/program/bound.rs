@@ -9,7 +9,7 @@ use super::branch::worst_row;
 use super::objective::Goal;
 use super::scan::{self, CLEARLY};
 use super::underestimate::Underestimator;
-use super::{Demand, Limited, RatioProgram};
+use super::{Demand, Limited, RatioProgram, mapped};
 use gearwise_model::actuator::Laurent;
 use gearwise_model::numerics::grid::grid;
 use gearwise_model::requirement::{Objective, Quantity};
@@ -51,6 +51,9 @@ impl RatioProgram<'_> {
     /// What is certain of the objective without solving. Without the limits that are asked of samples it is less, and next to nothing
     /// to find.
     pub fn bounded(&self, of_samples: bool) -> Bound {
+        if self.stands_by_ratio() {
+            return mapped::with_least_standing(self, |program| program.bounded(of_samples));
+        }
         if let Some((quantity, weight)) = self.objective.weighed() {
             let single = Objective::single(quantity);
             let program = RatioProgram { objective: &single, limits: self.limits.clone(), ..*self };
@@ -93,6 +96,9 @@ impl RatioProgram<'_> {
     /// Where the program is not convex solving is dear, and this is a few looks at the limits; where it is convex
     /// nothing is tried. `false` says nothing.
     pub fn is_impossible(&self) -> bool {
+        if self.stands_by_ratio() {
+            return mapped::with_least_standing(self, |program| program.is_impossible());
+        }
         if self.is_evaluated() || self.why_not_convex().is_none() {
             return false;
         }

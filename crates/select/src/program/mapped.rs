@@ -1,4 +1,4 @@
-//! A family of gears over the ratio: the program piece by piece.
+//! The program piece by piece: over a family of gears, and where the ratio decides what stands still.
 //!
 //! The one idea: between two rows of the family torque and voltage have the powers of N that a gear which does not change has,
 //! so each piece is an ordinary program on its interval. What limits the gear there (torque, speed, mass, inertia) is
@@ -60,13 +60,25 @@ struct Part {
 }
 
 /// What came of one span.
-struct Solved<'p> {
+struct Solved {
     outcome: Outcome,
     span: Span,
     /// A number that the objective is nowhere below there, where that is proved.
     bound: Option<f64>,
-    piece: &'p GearPiece,
+    /// The piece that it is of.
+    piece: (f64, f64),
 }
+
+/// How a program is cut into pieces.
+struct Cut {
+    /// Method of the certificate.
+    method: &'static str,
+    /// What has pieces.
+    whole: &'static str,
+}
+
+const BY_GEAR: Cut = Cut { method: "pieces of the gear map", whole: "the gear map" };
+const BY_STANDSTILL: Cut = Cut { method: "pieces of one degree of standstill", whole: "the range of ratios" };
 
 /// Why nothing of a piece, or of a part of it, keeps all limits.
 struct RuledOut {
@@ -115,31 +127,134 @@ pub(super) fn solve(program: &RatioProgram, map: &GearMap) -> Outcome {
         }
         match spans(&groups, map, piece, (from, to)) {
             Ok(spans) => solved.extend(spans.into_iter().map(|span| {
-                let (outcome, bound) = solve_span(program, &groups, map, (piece, load), &span);
-                Solved { outcome, span, bound, piece }
+                let (outcome, bound) = solve_span(program, &groups, &Piece::OfGears(map, piece, load), &span);
+                Solved { outcome, span, bound, piece: (piece.from(), piece.to()) }
             })),
             Err(why) => ruled_out.push(why),
         }
     }
-    combined(program, &groups, solved, ruled_out)
+    combined(program, &groups, solved, ruled_out, &BY_GEAR)
 }
 
-/// The program on a part of a piece, and a number that its objective is nowhere below.
-fn solve_span(
-    program: &RatioProgram,
-    groups: &[Group],
-    map: &GearMap,
-    (piece, load): (&GearPiece, &Load),
-    span: &Span,
-) -> (Outcome, Option<f64>) {
-    let cut = |limit: &str| OF_THE_GEAR.iter().any(|(name, of)| *name == limit && map.says(of));
+/// Solves a program at ratios between which the degree changes to which slow samples are at standstill.
+///
+/// The degree falls as the ratio rises. Whatever the limits forbid with the degrees of the largest ratio they forbid, whatever they
+/// allow with those of the smallest they allow. Where both come to the same that is the answer, otherwise the range is halved, until
+/// the degrees are the same all over it.
+pub(super) fn solve_standing(program: &RatioProgram) -> Outcome {
+    let groups = groups(program);
+    let (min, max) = program.range;
+    let changes = groups.iter().flat_map(|group| group.candidate.standing_changes((min, max)));
+    let mut ends: Vec<f64> = changes.filter(|n| min < *n && *n < max).collect();
+    ends.extend([min, max]);
+    ends.sort_by(f64::total_cmp);
+    ends.dedup_by(|b, a| *b <= *a * (1.0 + NEXT));
+    if let [only] = ends[..] {
+        ends.push(only);
+    }
+    let mut solved = Vec::new();
+    let mut open = vec![(0, ends.len() - 1)];
+    while let Some((first, last)) = open.pop() {
+        let (from, to) = (ends[first], ends[last]);
+        let span = Span { from, to, low: None, high: None };
+        let at = |ratio: f64| solve_span(program, &groups, &Piece::StandingAt(ratio), &span);
+        let (mut outcome, bound) = at(ends[last - 1]);
+        if let Err(Refusal::Infeasible(Infeasible::Never { bind, .. })) = &outcome
+            && last - first > 1
+        {
+            // By how much at best: of each piece by its own degrees.
+            let never = |k: usize| {
+                let range = (ends[k], ends[k + 1]);
+                on_span(program, &groups, &Piece::StandingAt(range.0), range, |own| own.never_of(bind.limit))
+            };
+            let all = (first..last).filter_map(never);
+            if let Some((_, least)) = all.min_by(|a, b| a.0.total_cmp(&b.0)) {
+                outcome = Err(Refusal::Infeasible(least));
+            }
+        }
+        let is_settled = last - first == 1
+            || match &outcome {
+                // Every ratio that is allowed is beyond the last change.
+                Ok(optimum) => optimum.windows.iter().all(|window| window.min >= ends[last - 1]),
+                Err(Refusal::Infeasible(why)) => !matches!(why, Infeasible::Nowhere { .. }),
+                Err(_) => false,
+            }
+            || !program.limits.iter().any(|limited| limited.asked.depends_on_standing())
+            || comes_to_the_same(&at(from).0, &outcome);
+        if is_settled && first == 0 && last == ends.len() - 1 {
+            return outcome;
+        }
+        if is_settled {
+            solved.push(Solved { outcome, span, bound, piece: (from, to) });
+        } else {
+            let middle = first + (last - first) / 2;
+            open.extend([(middle, last), (first, middle)]);
+        }
+    }
+    combined(program, &groups, solved, Vec::new(), &BY_STANDSTILL)
+}
+
+/// Whether two programs have the same windows and the same optimum.
+fn comes_to_the_same(a: &Outcome, b: &Outcome) -> bool {
+    let near = |x: f64, y: f64| (x - y).abs() <= 1e-12 * x.abs().max(y.abs());
+    match (a, b) {
+        (Ok(a), Ok(b)) => {
+            let pairs = a.windows.iter().zip(&b.windows);
+            a.windows.len() == b.windows.len()
+                && pairs.into_iter().all(|(a, b)| near(a.min, b.min) && near(a.max, b.max))
+                && near(a.objective, b.objective)
+                && near(a.ratio, b.ratio)
+        }
+        _ => false,
+    }
+}
+
+/// The program with slow samples at standstill as at its largest ratio: nothing is possible that is not possible there.
+pub(super) fn with_least_standing<T>(program: &RatioProgram, look: impl FnOnce(&RatioProgram) -> T) -> T {
+    let (from, to) = program.range;
+    on_span(program, &groups(program), &Piece::StandingAt(to), (from, to), look)
+}
+
+/// A piece of a program.
+enum Piece<'p> {
+    /// Between two rows of a family of gears, with the load there.
+    OfGears(&'p GearMap, &'p GearPiece, &'p Load),
+    /// From a ratio on, with slow samples at standstill as there.
+    StandingAt(f64),
+}
+
+impl<'p> Piece<'p> {
+    fn candidate(&self, of: &Candidate<'p>) -> Candidate<'p> {
+        match *self {
+            Piece::OfGears(_, piece, load) => of.on_piece(piece, load),
+            Piece::StandingAt(ratio) => of.standing_at(ratio),
+        }
+    }
+
+    /// Whether a limit is no part of the piece's own program: it cuts the piece in closed form.
+    fn cuts(&self, limit: &str) -> bool {
+        match self {
+            Piece::OfGears(map, ..) => OF_THE_GEAR.iter().any(|(name, of)| *name == limit && map.says(of)),
+            Piece::StandingAt(_) => false,
+        }
+    }
+}
+
+/// Looks at the program on a part of a piece.
+fn on_span<'p, T>(
+    program: &RatioProgram<'p>,
+    groups: &[Group<'p>],
+    piece: &Piece<'p>,
+    range: (f64, f64),
+    look: impl FnOnce(&RatioProgram) -> T,
+) -> T {
     let prepared: Vec<Prepared> = groups
         .iter()
         .map(|group| {
-            let mut own = Prepared::new(group.candidate.on_piece(piece, load)).stopping(program.prepared.stop);
+            let mut own = Prepared::new(piece.candidate(group.candidate)).stopping(program.prepared.stop);
             let counts =
                 |asked: &Asked| group.limits.iter().any(|a| a.limit.name == asked.limit.name && a.end == asked.end);
-            own.asked.retain(|asked| !cut(asked.limit.name) && counts(asked));
+            own.asked.retain(|asked| !piece.cuts(asked.limit.name) && counts(asked));
             own
         })
         .collect();
@@ -147,15 +262,25 @@ fn solve_span(
         .iter()
         .flat_map(|own| own.asked.iter().map(|asked| Limited { candidate: &own.candidate, asked }))
         .collect();
-    let own =
-        RatioProgram { prepared: &prepared[0], objective: program.objective, range: (span.from, span.to), limits };
-    let outcome = own.solve();
-    let bound = match &outcome {
-        Ok(Optimum { certificate: Certificate::Certified { lower_bound, .. }, .. }) => Some(*lower_bound),
-        Err(Refusal::Infeasible(_)) => Some(f64::INFINITY),
-        _ => own.lower_bound(),
-    };
-    (outcome, bound)
+    look(&RatioProgram { prepared: &prepared[0], objective: program.objective, range, limits })
+}
+
+/// The program on a part of a piece, and a number that its objective is nowhere below.
+fn solve_span<'p>(
+    program: &RatioProgram<'p>,
+    groups: &[Group<'p>],
+    piece: &Piece<'p>,
+    span: &Span,
+) -> (Outcome, Option<f64>) {
+    on_span(program, groups, piece, (span.from, span.to), |own| {
+        let outcome = own.solve();
+        let bound = match &outcome {
+            Ok(Optimum { certificate: Certificate::Certified { lower_bound, .. }, .. }) => Some(*lower_bound),
+            Err(Refusal::Infeasible(_)) => Some(f64::INFINITY),
+            _ => own.lower_bound(),
+        };
+        (outcome, bound)
+    })
 }
 
 /// The parts of a piece that the gear's own limits leave of an interval.
@@ -247,7 +372,13 @@ fn kept(candidate: &Candidate, limit: &'static Limit, piece: &GearPiece, (a, b):
 }
 
 /// The answer of all pieces.
-fn combined(program: &RatioProgram, groups: &[Group], solved: Vec<Solved>, ruled_out: Vec<RuledOut>) -> Outcome {
+fn combined(
+    program: &RatioProgram,
+    groups: &[Group],
+    solved: Vec<Solved>,
+    ruled_out: Vec<RuledOut>,
+    cut: &Cut,
+) -> Outcome {
     let best = solved.iter().filter_map(|s| Some((s, s.outcome.as_ref().ok()?))).min_by(|(_, a), (_, b)| {
         let loss = |o: &Optimum| program.prepared.at(o.ratio).loss;
         let of_mass = program.objective.sole() == Some(Quantity::Mass);
@@ -257,7 +388,7 @@ fn combined(program: &RatioProgram, groups: &[Group], solved: Vec<Solved>, ruled
     let Some((of_best, best)) = best else { return Err(none(groups, solved, ruled_out)) };
     let value = best.objective;
     let clamp = |ratio: f64, span: &Span| ratio.clamp(span.from, span.to);
-    let certificate = certificate(best, &solved);
+    let certificate = certificate(best, &solved, cut);
     let ends = program.range;
     let own = [
         of_best.span.low.is_none() && of_best.span.from <= ends.0,
@@ -300,7 +431,7 @@ fn combined(program: &RatioProgram, groups: &[Group], solved: Vec<Solved>, ruled
 }
 
 /// The proof of the best: that no piece has anything below it.
-fn certificate(best: &Optimum, solved: &[Solved]) -> Certificate {
+fn certificate(best: &Optimum, solved: &[Solved], cut: &Cut) -> Certificate {
     let value = best.objective;
     let own_gap = match &best.certificate {
         Certificate::Certified { gap, .. } => *gap,
@@ -309,9 +440,8 @@ fn certificate(best: &Optimum, solved: &[Solved]) -> Certificate {
     let mut bound = f64::INFINITY;
     for part in solved {
         let Some(own) = part.bound.filter(|bound| !bound.is_nan()) else {
-            let (from, to) =
-                (gearwise_model::words::number(part.piece.from()), gearwise_model::words::number(part.piece.to()));
-            return Certificate::NotCertified(format!("the gear map is not proved from {from} to {to}").into());
+            let [from, to] = [part.piece.0, part.piece.1].map(gearwise_model::words::number);
+            return Certificate::NotCertified(format!("{} is not proved from {from} to {to}", cut.whole).into());
         };
         bound = bound.min(own);
     }
@@ -320,9 +450,9 @@ fn certificate(best: &Optimum, solved: &[Solved]) -> Certificate {
         false => own_gap.max((value - bound) / value.abs()),
     };
     if gap > GAP_TOLERANCE || (value == 0.0 && bound < 0.0 && own_gap > GAP_TOLERANCE) {
-        return Certificate::NotCertified("the bounds of the gear map's pieces did not meet".into());
+        return Certificate::NotCertified(format!("the bounds of the pieces of {} did not meet", cut.whole).into());
     }
-    Certificate::Certified { lower_bound: bound.min(value), gap, method: "pieces of the gear map" }
+    Certificate::Certified { lower_bound: bound.min(value), gap, method: cut.method }
 }
 
 /// Windows of neighbouring pieces that touch are one; where a window ends with its piece and the next one has none, what
@@ -353,7 +483,7 @@ fn united(groups: &[Group], mut parts: Vec<Part>) -> Vec<Window> {
         .collect()
 }
 
-/// The limit that is most exceeded at a ratio, by demand over limit.
+/// The limit that is most exceeded at a ratio: demand over limit, the limit, and what it is.
 fn worst(groups: &[Group], ratio: f64) -> Option<(f64, f64, Bind)> {
     let all = groups.iter().filter(|group| !group.limits.is_empty()).flat_map(|group| {
         group.candidate.at_ratio(ratio, |here| {
@@ -362,12 +492,13 @@ fn worst(groups: &[Group], ratio: f64) -> Option<(f64, f64, Bind)> {
             let asked = own.asked.iter().filter(|asked| names.contains(&asked.limit.name));
             let told = asked.map(|asked| {
                 let (raw, sample) = asked.raw_demand(&own.candidate, ratio);
-                (1.0 - asked.margin(&own.candidate, ratio, raw), asked.bound, Bind::of(asked.limit.name, sample))
+                let told = (asked.natural(raw) / asked.bound, asked.bound, Bind::of(asked.limit.name, sample));
+                (asked.margin(&own.candidate, ratio, raw), told)
             });
             told.collect::<Vec<_>>()
         })
     });
-    all.max_by(|a, b| a.0.total_cmp(&b.0))
+    all.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, told)| told)
 }
 
 fn forbids(groups: &[Group], ratio: f64) -> Option<Bind> {
@@ -380,7 +511,7 @@ fn nowhere(groups: &[Group], ratio: f64) -> Option<Infeasible> {
 }
 
 /// A contradiction on a part of a piece: what ends that part is the gear's own limit.
-fn on_span(why: Infeasible, span: &Span) -> Infeasible {
+fn ended_by(why: Infeasible, span: &Span) -> Infeasible {
     let named = |bind: Bind, range: &str, cut: &Option<Bind>| match cut {
         Some(cut) if bind.limit == range => cut.clone(),
         _ => bind,
@@ -402,7 +533,7 @@ fn none(groups: &[Group], solved: Vec<Solved>, mut ruled_out: Vec<RuledOut>) -> 
         match outcome {
             Err(Refusal::Infeasible(why)) => {
                 let whole = span.low.is_none() && span.high.is_none();
-                ruled_out.push(RuledOut { why: on_span(why, &span), whole });
+                ruled_out.push(RuledOut { why: ended_by(why, &span), whole });
             }
             Err(other) => return other,
             Ok(_) => {}
@@ -470,11 +601,12 @@ mod tests {
         let best = optimum(5.0, proved());
         let solved = |k: usize, outcome: Outcome, bound: Option<f64>| {
             let piece = &map.pieces()[k];
-            Solved { outcome, bound, piece, span: Span { from: piece.from(), to: piece.to(), low: None, high: None } }
+            let (from, to) = (piece.from(), piece.to());
+            Solved { outcome, bound, piece: (from, to), span: Span { from, to, low: None, high: None } }
         };
         let other = |bound: Option<f64>| {
             let not = Err(Refusal::NotSolved(Unsolved::NothingRuledOut));
-            certificate(&best, &[solved(0, Ok(best.clone()), Some(5.0)), solved(1, not, bound)])
+            certificate(&best, &[solved(0, Ok(best.clone()), Some(5.0)), solved(1, not, bound)], &BY_GEAR)
         };
         assert!(matches!(other(None), Certificate::NotCertified(why) if why.contains("from 3 to 4")));
         assert!(matches!(other(Some(f64::NAN)), Certificate::NotCertified(_)));
@@ -490,6 +622,6 @@ mod tests {
         // The best itself is not proved.
         let open = optimum(5.0, Certificate::NotCertified("why".into()));
         let all = [solved(0, Ok(open.clone()), Some(5.0))];
-        assert_eq!(certificate(&open, &all), Certificate::NotCertified("why".into()));
+        assert_eq!(certificate(&open, &all, &BY_GEAR), Certificate::NotCertified("why".into()));
     }
 }

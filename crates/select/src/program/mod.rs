@@ -149,6 +149,9 @@ impl<'a> RatioProgram<'a> {
 
     /// Solves it.
     pub fn solve(&self) -> Outcome {
+        if self.stands_by_ratio() {
+            return mapped::solve_standing(self);
+        }
         if let Some(map) = self.prepared.candidate.whole_map() {
             return mapped::solve(self, map);
         }
@@ -206,6 +209,10 @@ impl<'a> RatioProgram<'a> {
 
     /// Whether the objective falls to one valley and rises beyond it, and the feasible ratios are one interval.
     pub(crate) fn has_one_valley(&self) -> bool {
+        if self.stands_by_ratio() {
+            let depends = self.limits.iter().any(|limited| limited.asked.depends_on_standing());
+            return !depends && mapped::with_least_standing(self, |program| program.has_one_valley());
+        }
         match with_constant_mass(self.prepared, self.objective) {
             Some((rest, _)) => RatioProgram { objective: &rest, limits: self.limits.clone(), ..*self }.has_one_valley(),
             None => !self.is_evaluated() && self.why_not_convex().is_none(),
@@ -215,6 +222,10 @@ impl<'a> RatioProgram<'a> {
     /// Whether it is shown that the objective, a single quantity, falls to its least values and rises beyond them between two ratios, or
     /// is one step after the other up: it is convex in N², or a mean that friction makes convex in 1/N alone. Whatever the limits are.
     pub(crate) fn is_valley(&self, from: f64, to: f64) -> bool {
+        if self.stands_by_ratio() {
+            let depends = self.limits.iter().any(|limited| limited.asked.depends_on_standing());
+            return !depends && mapped::with_least_standing(self, |program| program.is_valley(from, to));
+        }
         let (prepared, Some(quantity)) = (self.prepared, self.objective.sole()) else { return false };
         let has_odd_powers = prepared.candidate.has_odd_powers();
         match quantity {
@@ -228,6 +239,11 @@ impl<'a> RatioProgram<'a> {
                 !has_odd_powers
             }
         }
+    }
+
+    /// Whether the ratio decides to what degree slow samples are at standstill.
+    fn stands_by_ratio(&self) -> bool {
+        self.limits.iter().map(|l| l.candidate).chain([&self.prepared.candidate]).any(|c| c.by_ratio.is_some())
     }
 
     /// Whether ratios have to be evaluated one by one.
@@ -397,6 +413,17 @@ impl<'a> RatioProgram<'a> {
             least: asked.natural(raw) / asked.bound,
             allowed: asked.bound,
             ratio,
+        }
+    }
+
+    /// The same of a limit by its name, where its demand depends on standstill, and its least demand over the limit.
+    fn never_of(&self, name: &str) -> Option<(f64, Infeasible)> {
+        let is = |l: &Limited| l.asked.limit.name == name && l.asked.depends_on_standing();
+        match self.never(self.limits.iter().position(is)?) {
+            Infeasible::Never { least, bind, allowed, ratio } => {
+                Some((least, Infeasible::Never { bind, least, allowed, ratio }))
+            }
+            _ => None,
         }
     }
 

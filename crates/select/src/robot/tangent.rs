@@ -87,6 +87,11 @@ impl<'t> Tangent<'t> {
         range: (f64, f64),
     ) -> Option<Tangent<'t>> {
         let prepared = mount.prepared().ok()?;
+        // A bound may count what stands at the largest ratio: at others it is no less.
+        let prepared = match prepared.candidate.by_ratio {
+            Some(_) => prepared.with_candidate(prepared.candidate.standing_at(range.1)),
+            None => prepared,
+        };
         let candidate = &prepared.candidate;
         let unknown = candidate.ends().any(|end| end.shortfall.saturates())
             || candidate.has_evaluated_effects()

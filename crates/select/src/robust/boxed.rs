@@ -168,7 +168,7 @@ impl Start {
         let ratio = (range.0 * range.1).sqrt();
         let at =
             |place: &[f64]| prepared_at(mount, all, place, |prepared| margins(prepared, ratio)).unwrap_or_default();
-        let directions = Directions::new(&nominal, all, range, &at);
+        let directions = Directions::new(&standing_at(&nominal, ratio), all, range, &at);
         let objective = &nominal.candidate.joint.objective;
         let printed: Vec<f64> = all.iter().map(Toleranced::nominal).collect();
         let mut base = printed.clone();
@@ -206,6 +206,14 @@ fn prepared_at<T>(mount: Mount, all: &[Toleranced], at: &[f64], of: impl FnOnce(
     let motor = with_numbers(mount.motor, all.iter().zip(at).map(|(of, share)| (of, of.at(*share))))?;
     let there = Mount { motor: &motor, ..mount }.with_gear(mount.gear);
     Some(of(&there.prepared().ok()?))
+}
+
+/// The same with slow samples at standstill as at a ratio.
+fn standing_at<'p>(prepared: &Prepared<'p>, ratio: f64) -> Prepared<'p> {
+    match prepared.candidate.by_ratio {
+        Some(_) => prepared.with_candidate(prepared.candidate.standing_at(ratio)),
+        None => prepared.clone(),
+    }
 }
 
 /// The smallest margin of each limit at a ratio.
@@ -251,8 +259,17 @@ impl<'p> Boxed<'p> {
     /// Proof of the limits over the box at a ratio.
     fn verified(&self, ratio: f64) -> Verified {
         let margins = |at: &[f64], ratio: f64| self.margins_at(at, ratio);
-        let region = Region { nominal: &self.nominal, corners: &self.corners, margins: &margins };
-        verify(&region, self.all, ratio)
+        if self.nominal.candidate.by_ratio.is_none() {
+            return verify(
+                &Region { nominal: &self.nominal, corners: &self.corners, margins: &margins },
+                self.all,
+                ratio,
+            );
+        }
+        let corners: Vec<_> =
+            self.corners.iter().map(|(prepared, corner)| (standing_at(prepared, ratio), *corner)).collect();
+        let nominal = standing_at(&self.nominal, ratio);
+        verify(&Region { nominal: &nominal, corners: &corners, margins: &margins }, self.all, ratio)
     }
 
     /// The motors that break a limit, where that is not looked at too often; else their limits are not proven.

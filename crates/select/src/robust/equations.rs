@@ -659,6 +659,12 @@ impl<'e> Equations<'e> {
                         Some(amperes(mean(0.0), Number::constant(current * times)))
                     }
                     "winding_temperature" => Some(amperes(mean(0.0), self.thermal_current(machine, over, derive)?)),
+                    // The time constant decides what is slow.
+                    "standstill_holding"
+                        if candidate.load.counts_slow_motion() && self.has("thermal_time_constant_winding") =>
+                    {
+                        None
+                    }
                     "standstill_holding" => {
                         let thermal = match candidate.thermal_resistance() {
                             Some(_) => Some(self.thermal_current(machine, over, derive)?),

@@ -1,5 +1,6 @@
 //! How a candidate stands against a limit that applies to it.
 
+use super::heat::STANDSTILL;
 use super::limit::{Asked, Check, Demand};
 use crate::actuator::Load;
 use crate::actuator::candidate::Candidate;
@@ -132,6 +133,11 @@ impl Asked {
     pub fn takes_a_walk(&self, candidate: &Candidate) -> bool {
         let ripples = matches!(self.demand, Demand::Bandwidth(_)) && candidate.load.ripples_along_d();
         self.demand.takes_a_walk() || ripples
+    }
+
+    /// Whether its demand depends on what is at standstill.
+    pub fn depends_on_standing(&self) -> bool {
+        self.limit.name == STANDSTILL || matches!(self.demand, Demand::WindingPeak(_))
     }
 
     /// Whether it is what the currents along d of a candidate at one ratio are for.

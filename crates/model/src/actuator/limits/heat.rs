@@ -59,7 +59,7 @@ pub(super) const LIMITS: &[Limit] = &[
     Limit {
         name: STANDSTILL,
         unit: "A",
-        formula: "√(mean(T²) + R_wh/R_th · mean over standstill(T²))/K_T ≤ I_continuous, I_thermal: the worst phase carries 2/3 of the heat; asked where the motion is at rest for a share of its time",
+        formula: "√(mean(T²) + R_wh/R_th · mean over standstill(T²))/K_T ≤ I_continuous, I_thermal: the worst phase carries 2/3 of the heat; asked where the motion is standing for a share of its time",
         safety: false,
         of: Of::QAxis,
         class: Class::Convex,
@@ -67,7 +67,7 @@ pub(super) const LIMITS: &[Limit] = &[
         stated: always,
         key: by_temperature,
         prepare: |c| {
-            if c.load.dwell == 0.0 || c.load.starts_cold() {
+            if c.load.stands_for() == 0.0 || c.load.starts_cold() {
                 return Prepared::NotAsked;
             }
             // Heat without durations is looked at over the motion, as of the hottest point for ever.
@@ -91,10 +91,10 @@ pub(super) const LIMITS: &[Limit] = &[
 /// The phase has three times the winding's thermal resistance to the housing, a third of its capacity, and twice the mean heat of a phase,
 /// which adds a first-order lag with the winding's resistance and time constant.
 fn rise_at_standstill(candidate: &Candidate, node: &TwoNode, hottest: f64, ratio: f64) -> f64 {
-    if !node.phases || candidate.load.dwell == 0.0 {
+    if !node.phases || candidate.load.stands_for() == 0.0 {
         return 0.0;
     }
-    let (heat, stands, cycle) = candidate.load.standing(&candidate.actuator, ratio);
+    let (heat, stands, cycle) = candidate.load.heat_at_standstill(&candidate.actuator, ratio);
     let answer = |time: f64| -(-time / node.time_constant_winding).exp_m1();
     let share = if stands == 0.0 { 0.0 } else { answer(stands) / answer(cycle) };
     heat * share * thermal::resistance_factor(hottest, node.reference) * node.resistance_winding_housing
@@ -106,7 +106,7 @@ pub(super) const SHORT_STRETCH: f64 = 1.0;
 
 /// Least thermal time constant of a winding in the catalogue \[s\]. Heat that comes at once warms a winding by no more than
 /// the steady limit's rise where it is no more than the steady limit's heat over that time.
-pub(super) const LEAST_TIME_CONSTANT: f64 = 5.1;
+pub(in crate::actuator) const LEAST_TIME_CONSTANT: f64 = 5.1;
 
 /// The same as a share of the winding's own time constant, where that is known.
 const SHORT_SHARE: f64 = 0.2;

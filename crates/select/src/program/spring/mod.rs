@@ -64,7 +64,8 @@ impl Sprung {
 
     /// The candidate with this spring.
     pub fn candidate<'s>(&'s self, candidate: &Candidate<'s>) -> Candidate<'s> {
-        Candidate { load: &self.load, joint: &self.joint, ..*candidate }
+        let by_ratio = candidate.by_ratio.map(|_| &self.load);
+        Candidate { load: self.load.standing_as(candidate.load), joint: &self.joint, by_ratio, ..*candidate }
     }
 }
 
@@ -79,6 +80,9 @@ pub fn solve(
     (min, max): (f64, f64),
     covered: f64,
 ) -> Result<SpringOptimum, Refusal> {
+    if prepared.candidate.by_ratio.is_some() {
+        return solve_standing(prepared, objective, spring, (min, max), covered);
+    }
     if let Some((quantity, weight)) = objective.weighed() {
         let found = solve(prepared, &Objective::single(quantity), spring, (min, max), covered)?;
         return Ok(SpringOptimum {
@@ -113,6 +117,50 @@ pub fn solve(
         return Ok(SpringOptimum { stiffness: k0, rest_angle, optimum, lower_bound, gap, least_stiffness: false });
     }
     solver.free(min, max)
+}
+
+/// The same where the degree changes with the ratio to which slow samples are at standstill: a spring moves no sample, so that each
+/// piece of ratios has degrees of its own.
+fn solve_standing(
+    prepared: &Prepared,
+    objective: &Objective,
+    spring: &Spring,
+    (min, max): (f64, f64),
+    covered: f64,
+) -> Result<SpringOptimum, Refusal> {
+    let candidate = &prepared.candidate;
+    let mut ends = vec![min];
+    ends.extend(candidate.standing_changes((min, max)).into_iter().filter(|n| min < *n && *n < max));
+    ends.push(max);
+    let (mut best, mut refused): (Option<SpringOptimum>, Option<Refusal>) = (None, None);
+    let mut bound = Some(f64::INFINITY);
+    for piece in ends.windows(2) {
+        let own = prepared.with_candidate(candidate.standing_at(piece[0]));
+        match solve(&own, objective, spring, (piece[0], piece[1]), covered) {
+            Ok(found) => {
+                bound = bound.zip(found.lower_bound).map(|(least, own)| least.min(own));
+                if best.as_ref().is_none_or(|best| found.optimum.objective < best.optimum.objective) {
+                    best = Some(found);
+                }
+            }
+            Err(Refusal::Infeasible(why)) => refused = refused.or(Some(Refusal::Infeasible(why))),
+            Err(other) => (bound, refused) = (None, Some(other)),
+        }
+    }
+    let nothing = || refused.unwrap_or(Refusal::NotSolved(Unsolved::NothingRuledOutWithSpring));
+    let mut best = best.ok_or_else(nothing)?;
+    // All ratios that the spring keeps, beyond its piece.
+    let solver = Solver { prepared, objective, spring, covered };
+    if let Ok(whole) = solver.at(best.stiffness, best.rest_angle.unwrap_or(0.0), min, max) {
+        best.optimum.windows = whole.windows;
+    }
+    let value = best.optimum.objective;
+    let gap = bound.map(|bound| (value - bound.min(value)) / value.abs().max(f64::MIN_POSITIVE));
+    (best.lower_bound, best.gap) = (bound, gap);
+    if gap.is_none_or(|gap| gap > GAP_TOLERANCE) {
+        best.optimum.certificate = Certificate::NotCertified("the bounds of ratio and spring did not meet".into());
+    }
+    Ok(best)
 }
 
 /// The allowed spring at which the limits are exceeded least, as far as the search for the best one goes.

@@ -309,7 +309,8 @@ impl<'a> Problem<'a> {
         let excess = |limits: &[(f64, Key)]| limits.iter().map(|l| l.0).fold(f64::NEG_INFINITY, f64::max);
         if !costly.is_empty() && excess(&limits) <= 1e-9 {
             let load = self.load_at(z);
-            let candidate = crate::Candidate { load: &load, ..self.prepared.candidate };
+            let load = load.standing_as(self.prepared.candidate.load);
+            let candidate = crate::Candidate { load, ..self.prepared.candidate };
             for index in costly {
                 let asked = &self.prepared.asked[index];
                 let ratio = z[0].sqrt();
