@@ -9,6 +9,7 @@ use gearwise::catalog::{Catalog, Motor};
 use gearwise::design::answer::Reason;
 use gearwise::design::evaluate::Judged;
 use gearwise::design::optimize::optimize;
+use gearwise::design::program::RatioProgram;
 use gearwise::design::{Evaluation, Mount, Prepared};
 use gearwise::input::Source;
 use gearwise::requirement::*;
@@ -664,4 +665,41 @@ fn a_winding_that_drag_could_heat_beyond_its_limit_is_not_said_to_stay_below_it(
         }
     }
     assert!(seen.iter().all(|n| *n >= 2), "{seen:?}");
+}
+
+/// A winding of 3 s in 1000 s: near the smallest ratio its temperature leaves all numbers, and beyond that no ratio may be lost for it.
+#[test]
+fn a_rise_beyond_all_numbers_forbids_its_own_ratios_alone() {
+    let samples = |time: Vec<f64>| {
+        let zeros = Some(vec![0.0; time.len()]);
+        let torque = vec![6.0, 8.6, 4.3, 6.0];
+        Samples {
+            time,
+            torque,
+            position: None,
+            velocity: zeros.clone(),
+            acceleration: zeros.clone(),
+            torque_rate: zeros.clone(),
+            jerk: zeros,
+        }
+    };
+    let motion = Motion::from_samples(samples(vec![0.0, 333.0, 667.0, 1000.0]), Course::Once(1000.0));
+    let mut robot = robot("{ torque = '1 N*m', speed = '1 rad/s' }");
+    robot.bus.voltage = 480.0;
+    robot.joints[0].motion = motion.into();
+    robot.joints[0].ratio = RatioChoice::Continuous { min: 1.2, max: 34.0 };
+    let short = [
+        ("thermal_time_constant_winding [s]", "3"),
+        ("thermal_time_constant_housing [s]", "800"),
+        ("thermal_resistance_winding_housing [K/W]", "1"),
+        ("thermal_resistance_housing_ambient [K/W]", "2"),
+    ];
+    let motor = motor(&[], &short);
+    let joint = &robot.joints[0];
+    let load = Load::new(&joint.motion, None);
+    let prepared = Prepared::new(Mount::new(&robot, joint, &load, &motor).candidate().unwrap());
+    let found = RatioProgram::new(&prepared, &joint.objective, 1.2, 34.0).solve().expect("34:1 keeps every limit");
+    assert!(prepared.at(34.0).feasible && found.window().max >= 34.0 * (1.0 - 1e-9));
+    let low = found.window().min;
+    assert!(!prepared.at(0.999 * low).feasible && prepared.at(1.001 * low).feasible, "from {low}");
 }

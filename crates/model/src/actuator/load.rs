@@ -21,6 +21,9 @@ use crate::requirement::{Motion, Ripple, TorqueBandwidth};
 /// rounding is larger than any bound.
 const FAR_BEYOND: f64 = 100.0;
 
+/// A rise \[K\] that is too large a number for gradients.
+const LARGEST: f64 = 1e100;
+
 /// Samples of the first periods of a heat that runs away that are looked at, at most: what is not beyond the bound by then is no cut,
 /// but still below.
 const FIRST_SAMPLES: usize = 1 << 20;
@@ -780,7 +783,11 @@ impl Load {
                 let gradient = node.peak_gradient(&course.heat(&heat, &phase), course.course, &temperature);
                 let gradient = self.of_samples(course, gradient);
                 let rise = temperature.peak - node.ambient;
-                if rise <= FAR_BEYOND * bound { (rise, gradient) } else { node.far_beyond(rise, gradient, bound) }
+                match rise {
+                    _ if rise <= FAR_BEYOND * bound => (rise, gradient),
+                    _ if rise < LARGEST => node.far_beyond(rise, gradient, bound),
+                    _ => self.until_beyond(node, (course, &heat, &phase), bound),
+                }
             }
             None => self.first_periods(node, heat, bound),
         }
@@ -834,6 +841,9 @@ impl Load {
             let temperature = node.from_cold(&long);
             let rise = temperature.peak - node.ambient;
             let last = periods >= 1 << 14 || 2 * all.len() > FIRST_SAMPLES;
+            if periods == 1 && rise.is_nan() | (rise >= LARGEST) {
+                return self.until_beyond(node, (course, &heat, &phase), bound);
+            }
             if (rise > bound && rise.is_finite()) || last {
                 let each = node.peak_gradient(&long, Course::FromCold, &temperature);
                 let of_entry = |each: &[f64], k: usize| each.iter().skip(k).step_by(heat.len()).sum::<f64>();
@@ -841,6 +851,57 @@ impl Load {
                 return (rise, self.of_samples(course, summed));
             }
             periods *= 2;
+        }
+    }
+
+    /// Rise and gradient of the beginning of a course from cold whose rise leaves all numbers: it ends where the rise is beyond the
+    /// bound, so that the rise over all of the course is no less.
+    fn until_beyond(
+        &self,
+        node: &TwoNode,
+        (course, heat, phase): (&HeatCourse, &[f64], &[f64]),
+        bound: f64,
+    ) -> (f64, Vec<f64>) {
+        let (begin, count) = (course.times[0], course.times.len());
+        let (mut short, mut long) = (0.0, course.lasts);
+        loop {
+            let until = 0.5 * (short + long);
+            // The entries before, and how far it is on the way to the one after.
+            let before = course.times.partition_point(|t| t - begin < until).clamp(1, count);
+            let next = before.min(count - 1);
+            let way = course.times[next] - course.times[before - 1];
+            let share = if way > 0.0 { (until - (course.times[before - 1] - begin)) / way } else { 0.0 };
+            let cut = |of: &[f64]| -> Vec<f64> {
+                let Some(last) = of.get(before - 1) else { return Vec::new() };
+                of[..before].iter().copied().chain([last + share * (of[next] - last)]).collect()
+            };
+            let (times, all, of_phase) = (cut(&course.times), cut(heat), cut(phase));
+            let part = Heat {
+                times: &times,
+                period_or_duration: times[before] - begin,
+                heat: &all,
+                settling: &[],
+                phase: &of_phase,
+            };
+            let temperature = node.from_cold(&part);
+            let rise = temperature.peak - node.ambient;
+            match rise {
+                _ if rise <= bound => short = until,
+                _ if rise <= FAR_BEYOND * bound.max(1.0) || long - short <= f64::EPSILON * long => {
+                    let mut each = node.peak_gradient(&part, Course::FromCold, &temperature);
+                    for gradient in each.iter_mut().filter(|gradient| gradient.len() > before) {
+                        let last = gradient.split_off(before)[0];
+                        gradient.resize(count, 0.0);
+                        gradient[before - 1] += (1.0 - share) * last;
+                        gradient[next] += share * last;
+                    }
+                    return (rise, self.of_samples(course, each));
+                }
+                _ => long = until,
+            }
+            if long - short <= f64::EPSILON * long {
+                return (f64::INFINITY, vec![0.0; self.samples.len()]);
+            }
         }
     }
 
