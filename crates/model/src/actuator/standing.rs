@@ -40,7 +40,7 @@ const WIDEST: f64 = 2.0;
 /// One course of a motion: positions in time, or operating points.
 #[derive(Debug, Clone)]
 struct Run {
-    /// Its samples within the motion.
+    /// Sample range within the motion.
     samples: Range<usize>,
     course: Course,
     /// Time of each sample from the first \[s\]; duration of each operating point, infinite where it is not known.
@@ -49,7 +49,7 @@ struct Run {
     position: Vec<f64>,
     /// Position \[rad\] at which each interval turns round; that at its start where it does not.
     turns: Vec<f64>,
-    /// Whether each interval is at rest: its speed is zero at both ends.
+    /// True for each interval at rest: the speed is zero at both ends.
     rests: Vec<bool>,
 }
 
@@ -57,13 +57,13 @@ struct Run {
 struct Window {
     /// Number of its length; `None` of a whole run.
     step: Option<usize>,
-    /// Its length \[s\].
+    /// Length \[s\].
     lasts: f64,
     /// The angle within it, at the output \[rad\].
     angle: f64,
     /// The share to which the motion leaves the angle before and after it.
     leaves: f64,
-    /// Its intervals, of a run that is laid end to end.
+    /// Intervals of the run, repeated end to end.
     intervals: Range<usize>,
 }
 
@@ -72,7 +72,7 @@ struct Window {
 struct Block {
     /// The first of them.
     first: usize,
-    /// Its begin \[s\].
+    /// Start time \[s\].
     begin: f64,
     /// The least and the largest position \[rad\].
     low: f64,
@@ -96,9 +96,9 @@ impl Block {
 /// The largest `κ = 2 p N` at which some window of one length counts.
 #[derive(Debug, Clone, Copy, Default)]
 struct Threshold {
-    /// As a stay.
+    /// Threshold for a stay.
     stay: f64,
-    /// As a crawl, times the winding's time constant \[s\]; of a whole run, which is no longer than that, without it.
+    /// Threshold for a crawl, times the winding's time constant \[s\]; for a whole run, without it.
     crawl: f64,
 }
 
@@ -392,7 +392,7 @@ impl Run {
 }
 
 impl Sweep {
-    /// Of a motion.
+    /// Build the sweep of a motion.
     pub(super) fn new(motion: &Motion) -> Sweep {
         let run = |(samples, course)| (Run::new(motion, samples, course), OnceLock::new());
         Sweep { runs: motion.courses().into_iter().map(run).collect(), samples: motion.len() }

@@ -1,4 +1,4 @@
-//! The program piece by piece: over a family of gears, and where the ratio decides what stands still.
+//! The ratio program solved in pieces: for a family of gears, and where standstill depends on the ratio.
 //!
 //! The one idea: between two rows of the family torque and voltage have the powers of N that a gear which does not change has,
 //! so each piece is an ordinary program on its interval. What limits the gear there (torque, speed, mass, inertia) is
@@ -73,7 +73,7 @@ struct Solved {
 struct Cut {
     /// Method of the certificate.
     method: &'static str,
-    /// What has pieces.
+    /// Name of the object that is divided.
     whole: &'static str,
 }
 
@@ -194,7 +194,7 @@ pub(super) fn solve_standing(program: &RatioProgram) -> Outcome {
     combined(program, &groups, solved, Vec::new(), &BY_STANDSTILL)
 }
 
-/// Whether two programs have the same windows and the same optimum.
+/// True if two programs have the same feasible ratios and optimum.
 fn comes_to_the_same(a: &Outcome, b: &Outcome) -> bool {
     let near = |x: f64, y: f64| (x - y).abs() <= 1e-12 * x.abs().max(y.abs());
     match (a, b) {

@@ -241,7 +241,7 @@ impl<'a> RatioProgram<'a> {
         }
     }
 
-    /// Whether the ratio decides to what degree slow samples are at standstill.
+    /// True if the degree of standstill depends on the ratio.
     fn stands_by_ratio(&self) -> bool {
         self.limits.iter().map(|l| l.candidate).chain([&self.prepared.candidate]).any(|c| c.by_ratio.is_some())
     }

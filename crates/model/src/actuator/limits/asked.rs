@@ -135,7 +135,7 @@ impl Asked {
         self.demand.takes_a_walk() || ripples
     }
 
-    /// Whether its demand depends on what is at standstill.
+    /// True if the demand depends on standstill.
     pub fn depends_on_standing(&self) -> bool {
         self.limit.name == STANDSTILL || matches!(self.demand, Demand::WindingPeak(_))
     }
