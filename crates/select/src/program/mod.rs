@@ -223,8 +223,8 @@ impl<'a> RatioProgram<'a> {
     /// is one step after the other up: it is convex in N², or a mean that friction makes convex in 1/N alone. Whatever the limits are.
     pub(crate) fn is_valley(&self, from: f64, to: f64) -> bool {
         if self.stands_by_ratio() {
-            let depends = self.limits.iter().any(|limited| limited.asked.depends_on_standing());
-            return !depends && mapped::with_least_standing(self, |program| program.is_valley(from, to));
+            // Only limits count standstill.
+            return mapped::with_least_standing(self, |program| program.is_valley(from, to));
         }
         let (prepared, Some(quantity)) = (self.prepared, self.objective.sole()) else { return false };
         let has_odd_powers = prepared.candidate.has_odd_powers();
