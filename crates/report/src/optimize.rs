@@ -296,10 +296,10 @@ fn rejected_text(result: &JointResult, outlook: Option<&Outlook>, shown: Shown) 
         return String::new();
     }
     let mut out = String::new();
+    let is_asked = |rejected: &&Rejected| rejected.reason != Reason::Unusable(Unusable::NotAllowed);
     if shown.rejected {
         out.push_str("\n  Rejected:\n");
-        let is_free = |rejected: &&Rejected| rejected.reason != Reason::Unusable(Unusable::NotAllowed);
-        for rejected in result.rejected.iter().filter(is_free) {
+        for rejected in result.rejected.iter().filter(is_asked) {
             let Rejected { motor, reason, .. } = rejected;
             let why = reason_text(reason, result.joint).1;
             let turns = match rewound_text(result, outlook, rejected) {
@@ -311,7 +311,7 @@ fn rejected_text(result: &JointResult, outlook: Option<&Outlook>, shown: Shown) 
                 wrap(&format!("{}: {why}{turns}{}", motor.id, estimated::text(motor)), 6)
             ));
         }
-        let ids: Vec<&str> = result.rejected.iter().filter(|r| !is_free(r)).map(|r| r.motor.id.as_str()).collect();
+        let ids: Vec<&str> = result.rejected.iter().filter(|r| !is_asked(r)).map(|r| r.motor.id.as_str()).collect();
         if !ids.is_empty() {
             let why = reason_text(&Reason::Unusable(Unusable::NotAllowed), result.joint).1;
             out.push_str(&format!("    {}\n", wrap(&format!("{} × {why}: {}", ids.len(), ids.join(", ")), 6)));
@@ -319,12 +319,14 @@ fn rejected_text(result: &JointResult, outlook: Option<&Outlook>, shown: Shown) 
         return out;
     }
     let mut classes: BTreeMap<String, Vec<&Rejected>> = BTreeMap::new();
-    for rejected in &result.rejected {
+    for rejected in result.rejected.iter().filter(is_asked) {
         classes.entry(reason_text(&rejected.reason, result.joint).0).or_default().push(rejected);
     }
     let mut classes: Vec<_> = classes.into_iter().collect();
     classes.sort_by(|a, b| b.1.len().cmp(&a.1.len()).then(a.0.cmp(&b.0)));
-    out.push_str("\n  Why not the others (`--rejected` lists each):\n");
+    if !classes.is_empty() {
+        out.push_str("\n  Why not the others (`--rejected` lists each):\n");
+    }
     for (class, members) in classes {
         let ids: Vec<&str> = members.iter().take(3).map(|r| r.motor.id.as_str()).collect();
         let more = if members.len() > 3 { ", …" } else { "" };

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::loads::Loads;
+use gearwise_model::numerics::work;
 
 /// A search was stopped: there is no answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,6 +20,11 @@ impl<'s> Stop<'s> {
     /// When somebody says so.
     pub fn when(stop: &'s (dyn Fn() -> bool + Sync)) -> Stop<'s> {
         Stop(stop)
+    }
+
+    /// True if a program is to end: it was stopped, or its share of the work is done.
+    pub(super) fn ends_program(self) -> bool {
+        work::is_spent() || self.now()
     }
 
     /// Whether it is to stop now.

@@ -807,7 +807,7 @@ fn cuts_of_the_windings_temperature_touch_and_stay_below() {
                 phases: false,
             };
             let peak = |n: f64| load.winding_peak(&actuator, &node, n).0;
-            let cut = load.winding_peak_cut(&actuator, &node, n, bound);
+            let (cut, _) = load.winding_peak_cut(&actuator, &node, n, bound);
             if peak(n).is_finite() {
                 is_a_cut(&format!("{i} winding"), &cut, n, &peak, false);
                 settled += 1;

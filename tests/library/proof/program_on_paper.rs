@@ -7,6 +7,7 @@ use gearwise::catalog::Motor;
 use gearwise::design::program::{Certificate, Infeasible, Optimum, RatioProgram, Refusal};
 use gearwise::design::{Mount, Prepared};
 use gearwise::effects::FittedEffect;
+use gearwise::numerics::work;
 use gearwise::requirement::*;
 
 use crate::raw::{self, Case, draw};
@@ -59,6 +60,47 @@ fn bounds_without_solving_are_bounds_and_no_empty_ones() {
         println!("{all} programs, bound below the optimum by {half} (half of them), {most} (nine of ten)");
         assert!(all > 80 && silent == 0 && half < 0.1 && most < 0.6, "{all} {silent} {half} {most}");
     }
+}
+
+/// A program that is ended early, after shares of the work that fall to nothing, claims nothing false: its ratio is feasible, no bound
+/// is above the optimum, and nothing is called infeasible that is not. The same share gives the same answer.
+#[test]
+fn a_program_that_ends_early_claims_nothing_false() {
+    let (mut ended, mut certified, mut unknown) = (0, 0, 0);
+    for i in (0..150).chain(100_000..100_350) {
+        let case = draw(i, i < 100_000);
+        let all = with_program(&case, |p| p.solve());
+        for share in [0, 300, 3_000, 30_000, 300_000] {
+            let solve = || with_program(&case, |p| work::within(share, || p.solve()));
+            let early = solve();
+            assert_eq!(format!("{early:?}"), format!("{:?}", solve()), "{i} {share}");
+            match (&early, &all) {
+                (Ok(early), Ok(all)) => {
+                    let size = all.objective.abs().max(1e-9);
+                    assert!(case.worst(early.ratio).0 < 1e-7, "{i} {share}: N = {} is not feasible", early.ratio);
+                    assert!(early.objective >= all.objective - 1e-6 * size, "{i} {share}: better than the optimum");
+                    match &early.certificate {
+                        Certificate::Certified { lower_bound, gap, .. } => {
+                            assert!(*lower_bound <= all.objective + 1e-6 * size && *gap <= 1e-6, "{i} {share}");
+                            certified += 1;
+                        }
+                        Certificate::NotCertified(_) => ended += 1,
+                    }
+                }
+                (Ok(early), Err(why)) => {
+                    let is_open = !matches!(why, Refusal::Infeasible(_));
+                    assert!(is_open && case.worst(early.ratio).0 < 1e-7, "{i} {share}: feasible, but {why:?}");
+                }
+                (Err(Refusal::Infeasible(why)), Ok(all)) => {
+                    panic!("{i} {share}: {why:?} though N = {} is feasible", all.ratio)
+                }
+                (Err(_), Ok(_)) => unknown += 1,
+                (Err(_), Err(_)) => {}
+            }
+        }
+    }
+    println!("{ended} ended early, {certified} certified in time, {unknown} without an answer");
+    assert!(ended > 100 && certified > 500 && unknown < ended, "{ended} {certified} {unknown}");
 }
 
 /// What is called impossible has no solution; and of what has none, most is called so, where nothing is convex.

@@ -364,6 +364,7 @@ fn motion_files() {
     let cases: &[(&str, &[(&str, &str)])] = &[
         ("unsorted time", &[("0.2,", "0.05,")]),
         ("time twice", &[("0.2,", "0.1,")]),
+        ("time out of order in several rows", &[("0.2,", "0.05,"), ("0.4,", "0.25,")]),
         ("a cell is not a number", &[("2.0", "NaN")]),
         ("a cell has its unit", &[("2.0", "2.0 N*m")]),
         ("a cell is blank", &[("2.0", "")]),

@@ -15,6 +15,7 @@ use super::thermal_motion::{Course, Heat, Outcome, Temperature, TwoNode};
 use super::waveform::{Functional, WavePoint, Waveform};
 use super::weakening::{Step, Weakening};
 use crate::numerics::laurent::Laurent;
+use crate::numerics::work;
 use crate::requirement::{Motion, Ripple, TorqueBandwidth};
 
 /// A rise that is so many times its bound is cut off by its logarithm: a motion from cold may come to numbers whose
@@ -122,6 +123,17 @@ pub struct Load {
     actuators: Vec<Load>,
     /// On a piece of a family of gears: what its efficiency and its torque without load that falls with the ratio take \[W\].
     gear_loss: Option<Laurent>,
+}
+
+/// Largest rise of a winding's temperature over ambient.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WindingPeak {
+    /// The rise, or what bounds it from below \[K\].
+    pub rise: f64,
+    /// Its derivative by the copper heat of every sample \[K/W\].
+    pub gradient: Vec<f64>,
+    /// The sample at which it is reached; `None` where the heat runs away.
+    pub sample: Option<usize>,
 }
 
 /// Temperatures over a course of heat.
@@ -297,6 +309,7 @@ impl Load {
             x[Feature::SpeedRate as usize] = rate;
         };
         let folded = |load: &Load| {
+            work::count(20 * load.samples.len());
             let mut samples = load.samples.to_vec();
             samples.iter_mut().for_each(|sample| change(&mut sample.features));
             load.with_points(samples, |wave| wave.changed(change))
@@ -353,6 +366,7 @@ impl Load {
         if points.is_empty() && !rippled() {
             return None;
         }
+        work::count(20 * self.samples.len());
         // A sample at standstill, whose two points are not the sample of means, needs none.
         let mut direct = vec![0.0_f64; self.samples.len()];
         let mut of_points = vec![0.0_f64; self.waveform.len()];
@@ -469,6 +483,9 @@ impl Load {
     /// Mean of the squared current over time \[A²\] at a ratio, with the share `standing` of that at standstill counted
     /// once more; for motors whose current is not proportional to the torque.
     pub fn mean_current_squared(&self, actuator: &Actuator, standing: f64, ratio: f64) -> f64 {
+        if actuator.shortfall.saturates() {
+            work::count(4 * self.samples.len());
+        }
         let square = |k: usize| {
             let [a, c, b] = actuator.torque_terms(self.samples[k].flow, &self.samples[k].features);
             let along_d = (self.direct(k) / actuator.torque_constant).powi(2);
@@ -582,6 +599,7 @@ impl Load {
         ratio: f64,
         mut look: impl FnMut(usize, f64, [f64; 5], f64, f64),
     ) {
+        work::count(10 * self.samples.len());
         let emf = actuator.back_emf_constant / actuator.torque_constant;
         let shortfall = &actuator.shortfall;
         let leads = actuator.with_leads();
@@ -746,12 +764,18 @@ impl Load {
         Some([least, most])
     }
 
-    /// The rise as a cut: the polynomial that equals it at `ratio` and is nowhere above it. Temperature is
+    /// The rise as a cut, and its sample: the polynomial that equals it at `ratio` and is nowhere above it. Temperature is
     /// convex and rising in the heat of every sample, so its gradient there bounds it from below. Where the
     /// heat runs away the cut is that of the first periods from cold, as many as it takes to be beyond
     /// `bound` \[K\].
-    pub fn winding_peak_cut(&self, actuator: &Actuator, node: &TwoNode, ratio: f64, bound: f64) -> Laurent {
-        let (rise, gradient) = self.winding_peak_gradient(actuator, node, ratio, bound);
+    pub fn winding_peak_cut(
+        &self,
+        actuator: &Actuator,
+        node: &TwoNode,
+        ratio: f64,
+        bound: f64,
+    ) -> (Laurent, Option<usize>) {
+        let WindingPeak { rise, gradient, sample } = self.winding_peak_gradient(actuator, node, ratio, bound);
         let squares = if actuator.shortfall.saturates() {
             let weights: Vec<f64> = gradient
                 .iter()
@@ -765,32 +789,27 @@ impl Load {
         } else {
             self.weighted_torque_squared(actuator, &gradient) * actuator.heating()
         };
-        squares + Laurent::constant(rise - squares.at(ratio))
+        (squares + Laurent::constant(rise - squares.at(ratio)), sample)
     }
 
-    /// The rise at a ratio \[K\], and how it grows with the copper heat of every sample \[K/W\]; of the first
-    /// periods where the heat runs away.
-    pub fn winding_peak_gradient(
-        &self,
-        actuator: &Actuator,
-        node: &TwoNode,
-        ratio: f64,
-        bound: f64,
-    ) -> (f64, Vec<f64>) {
+    /// The largest rise at a ratio with its gradient; of the first periods where the heat runs away.
+    pub fn winding_peak_gradient(&self, actuator: &Actuator, node: &TwoNode, ratio: f64, bound: f64) -> WindingPeak {
         let heat = self.copper_heat(actuator, ratio);
-        match self.settle(node, heat.clone()) {
+        let (sample, (rise, gradient)) = match self.settle(node, heat.clone()) {
             Some(Settled { course, heat, phase, temperature }) => {
                 let gradient = node.peak_gradient(&course.heat(&heat, &phase), course.course, &temperature);
                 let gradient = self.of_samples(course, gradient);
                 let rise = temperature.peak - node.ambient;
-                match rise {
+                let of_bound = match rise {
                     _ if rise <= FAR_BEYOND * bound => (rise, gradient),
                     _ if rise < LARGEST => node.far_beyond(rise, gradient, bound),
                     _ => self.until_beyond(node, (course, &heat, &phase), bound),
-                }
+                };
+                (Some(course.sample(temperature.peak_sample, self.samples.len())), of_bound)
             }
-            None => self.first_periods(node, heat, bound),
-        }
+            None => (None, self.first_periods(node, heat, bound)),
+        };
+        WindingPeak { rise, gradient, sample }
     }
 
     /// A gradient by the heat of every sample, from that by the mean heat and by the heat of the hottest phase of every entry.
@@ -1004,6 +1023,7 @@ impl Load {
 
     /// Copper heat of every sample at a ratio, at the reference temperature \[W\].
     fn copper_heat(&self, actuator: &Actuator, ratio: f64) -> Vec<f64> {
+        work::count(self.samples.len());
         let (copper, down, linear) = (actuator.copper(), 1.0 / ratio, actuator.shortfall.is_nothing());
         let square = |(k, sample): (usize, &WavePoint)| {
             let [a, c, b] = actuator.torque_terms(sample.flow, &sample.features);
@@ -1016,6 +1036,7 @@ impl Load {
 
     /// `Σ weight T²` over the samples \[N²·m²\].
     fn weighted_torque_squared(&self, actuator: &Actuator, weights: &[f64]) -> Laurent {
+        work::count(self.samples.len());
         let mut sum = [0.0; 5];
         for (sample, weight) in self.samples.iter().zip(weights) {
             let [a, c, b] = actuator.torque_terms(sample.flow, &sample.features);

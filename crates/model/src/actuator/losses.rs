@@ -91,7 +91,7 @@ impl LossTerms {
 /// A part of the loss of which nothing is known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum UnknownLoss {
-    /// The motor's drag: its row says no no-load current and no friction, and it is not estimated.
+    /// The motor's drag: its row gives neither no-load current nor friction, and it is not estimated.
     MotorDrag,
     /// The motor's drag, because the requirement turned it off.
     MotorDragOff,

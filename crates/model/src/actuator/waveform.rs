@@ -12,6 +12,7 @@ use super::shaft::{Actuator, FEATURES, Feature, Flow, USUAL_FEATURES};
 use super::supply::Supply;
 use super::weakening::{self, Parabola};
 use crate::numerics::laurent::Laurent;
+use crate::numerics::work;
 
 /// Samples in a leaf of the tree.
 const LEAF: usize = 8;
@@ -522,6 +523,7 @@ impl Waveform {
         value: impl Fn(&Weights, &[f64; FEATURES], f64) -> f64,
         keep: &mut impl Keep,
     ) {
+        work::count(end - start);
         let columns: [&[f64]; FEATURES] = std::array::from_fn(|f| &self.points.columns[f][start..end]);
         #[expect(clippy::needless_range_loop, reason = "the columns are walked together")]
         for i in 0..end - start {

@@ -77,6 +77,8 @@ pub struct Table {
     header: usize,
 }
 
+/// Help for a cell whose value is not known.
+const LEAVE_BLANK: &str = "leave the cell blank where the value is not known";
 /// Mistakes of a file after which its columns are not read on.
 const MOST_SHOWN: usize = 40;
 /// So many rows with too many cells are a slip each; if there are more, they have one cause.
@@ -320,7 +322,7 @@ impl Table {
                 {
                     problem = problem.help("the unit is in the header, in brackets; an unknown value is a blank cell");
                 } else {
-                    problem = problem.help("leave the cell blank where the value is not known");
+                    problem = problem.help(LEAVE_BLANK);
                 }
                 problems.push(problem);
                 return None;
@@ -446,7 +448,8 @@ impl Table {
                 None if problems.len() == before => {
                     problems.push(Problem::at(self.cell_span(row, name), format!("`{name}` is blank"), gap));
                 }
-                None => {}
+                // A blank cell would be the next mistake.
+                None => problems[before..].iter_mut().for_each(|problem| problem.replace_help(LEAVE_BLANK, gap)),
             }
             if problems.len() > MOST_SHOWN {
                 break;

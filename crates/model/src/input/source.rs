@@ -309,6 +309,13 @@ impl Problem {
         self
     }
 
+    /// Put another help in the place of one.
+    pub(super) fn replace_help(&mut self, old: &str, new: &str) {
+        if self.help.as_deref() == Some(old) {
+            self.help = Some(bounded(new.into()));
+        }
+    }
+
     /// Adds the nearest valid name, where there is one, else the list of valid names.
     #[must_use]
     pub fn suggest<'a>(self, text: &str, names: impl IntoIterator<Item = &'a str> + Clone) -> Problem {

@@ -275,20 +275,17 @@ fn checked_arrays(
 
 /// Whether time increases from row to row, by enough to differentiate; if not, notes where.
 pub(crate) fn check_time(table: &impl Rows, time: &[f64], problems: &mut Vec<Problem>) -> bool {
-    for row in 1..time.len() {
-        if time[row] <= time[row - 1] {
-            problems.push(
-                table
-                    .problem(
-                        row,
-                        "time",
-                        "time does not increase".into(),
-                        format!("not later than the row above, {} s", time[row - 1]),
-                    )
-                    .help("sort the rows by time and remove duplicates"),
-            );
-            return false;
-        }
+    let wrong: Vec<usize> = (1..time.len()).filter(|row| time[*row] <= time[row - 1]).collect();
+    if let Some(row) = wrong.first() {
+        let message = match wrong.len() {
+            1 => "time does not increase".into(),
+            2 => "time does not increase, here and in another row".into(),
+            rows => format!("time does not increase, here and in {} other rows", rows - 1),
+        };
+        let label = format!("not later than the row above, {} s", time[row - 1]);
+        let problem = table.problem(*row, "time", message, label);
+        problems.push(problem.help("sort the rows by time and remove duplicates"));
+        return false;
     }
     let duration = time[time.len().max(1) - 1] - time[0];
     for row in 1..time.len() {

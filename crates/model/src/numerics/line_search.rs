@@ -61,8 +61,66 @@ pub fn crossing(f: &impl Fn(f64) -> f64, outside: f64, inside: f64, within: f64)
 /// Bottom of the only valley of `f` over a range of positive numbers that may span decades, its ends among what is
 /// looked at.
 pub fn least_in_range(f: &impl Fn(f64) -> f64, a: f64, b: f64) -> f64 {
-    let inside = golden_section(&|ln: f64| f(ln.exp()), a.ln(), b.ln(), FULLY).exp().clamp(a, b);
+    let inside = brent(&|ln: f64| f(ln.exp()), a.ln(), b.ln()).exp().clamp(a, b);
     [a, b].into_iter().fold(inside, |best, end| if f(end) < f(best) { end } else { best })
+}
+
+/// Bottom of a valley of `f` between `a` and `b` to 1e-9, by parabolas through three points and golden sections where these do not
+/// shrink the interval: a fifth of the looks of [`golden_section`] where `f` is smooth (Brent, *Algorithms for Minimization without
+/// Derivatives*, 1973, chapter 5).
+fn brent(f: &impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
+    const ENOUGH: f64 = 1e-9;
+    let share = 0.5 * (3.0 - 5.0_f64.sqrt());
+    // The best point, the second and the one before, with their values.
+    let mut best = a + share * (b - a);
+    let mut least = f(best);
+    let (mut second, mut third) = ((best, least), (best, least));
+    let (mut step, mut before): (f64, f64) = (0.0, 0.0);
+    for _ in 0..2 * FULLY {
+        let (middle, enough) = (0.5 * (a + b), ENOUGH * (1.0 + best.abs()));
+        if (best - middle).abs() <= 2.0 * enough - 0.5 * (b - a) {
+            break;
+        }
+        let r = (best - second.0) * (least - third.1);
+        let q = (best - third.0) * (least - second.1);
+        let (rise, fall) = ((best - third.0) * q - (best - second.0) * r, 2.0 * (q - r));
+        let parabola = -rise / fall;
+        // Less than half of the step before the last, and inside.
+        let is_short = parabola.abs() < 0.5 * before.abs();
+        before = step;
+        if is_short && best + parabola > a && best + parabola < b {
+            step = parabola;
+            if best + step - a < 2.0 * enough || b - best - step < 2.0 * enough {
+                step = enough.copysign(middle - best);
+            }
+        } else {
+            before = if best < middle { b - best } else { a - best };
+            step = share * before;
+        }
+        let at = if step.abs() >= enough { best + step } else { best + enough.copysign(step) };
+        let here = f(at);
+        if here <= least {
+            if at < best {
+                b = best
+            } else {
+                a = best
+            }
+            (third, second) = (second, (best, least));
+            (best, least) = (at, here);
+        } else {
+            if at < best {
+                a = at
+            } else {
+                b = at
+            }
+            if here <= second.1 || second.0 == best {
+                (third, second) = (second, (at, here));
+            } else if here <= third.1 || third.0 == best || third.0 == second.0 {
+                third = (at, here);
+            }
+        }
+    }
+    best
 }
 
 #[cfg(test)]
@@ -78,6 +136,31 @@ mod tests {
         // The ends are reached exactly.
         assert_eq!((least_in_range(&|x: f64| x, 0.3, 7.1), least_in_range(&|x: f64| -x, 0.3, 7.1)), (0.3, 7.1));
         assert_eq!(least_in_range(&|x: f64| x, 2.3, 2.3), 2.3);
+    }
+
+    /// A smooth valley takes few looks, a kink no more than golden sections, and places without a number none too many.
+    #[test]
+    fn a_valley_is_found_in_few_looks() {
+        let looks = std::cell::Cell::new(0);
+        let of = |f: &dyn Fn(f64) -> f64, place: f64, within: f64| {
+            looks.set(0);
+            let counted = |x: f64| {
+                looks.set(looks.get() + 1);
+                f(x)
+            };
+            let found = least_in_range(&counted, 1.0, 1000.0);
+            assert!((found / place - 1.0).abs() <= within, "{found} {place}");
+            looks.get()
+        };
+        for place in [1.7_f64, 20.0, 333.0] {
+            let smooth = of(&|x| (place / x).powi(2) + (x / place).powi(2), place, 1e-6);
+            assert!(smooth <= 25, "{smooth}");
+            let kink = of(&|x| (place / x).max(x / place), place, 1e-8);
+            assert!(kink <= 65, "{kink}");
+            let none = of(&|x| if x < place { f64::INFINITY } else { x }, place, 1e-8);
+            assert!(none <= 65, "{none}");
+        }
+        assert!(of(&|_| f64::NAN, 1.0, f64::INFINITY) < 2 * FULLY);
     }
 
     /// To the last places on both sides, with few looks where the function is smooth, and where it has no slope or no number.

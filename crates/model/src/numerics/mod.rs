@@ -8,3 +8,4 @@ pub mod line_search;
 pub mod roots;
 pub mod spline;
 pub mod sums;
+pub mod work;

@@ -87,6 +87,15 @@ pub enum Certificate {
 }
 
 impl Certificate {
+    /// The certificate of a program that did its share of the work before its bounds met, at a relative gap.
+    pub(super) fn ended(gap: f64) -> Certificate {
+        let better = match gap.is_finite() {
+            true => format!("no ratio is better by more than {} %", gearwise_model::words::number(100.0 * gap)),
+            false => "how much better another ratio may be is not known".into(),
+        };
+        Certificate::NotCertified(format!("the search ended after its share of the work; {better}").into())
+    }
+
     /// The certificate of the least mass, from that of the smallest ratio or of any at all.
     pub(super) fn of_mass(self, mass: f64) -> Certificate {
         match self {

@@ -16,6 +16,7 @@ use super::{
 };
 use gearwise_model::actuator::Laurent;
 use gearwise_model::actuator::limits::Demand;
+use gearwise_model::numerics::work;
 
 /// More intervals than any case has been seen to need; what is left then is reported as a gap.
 const MAX_INTERVALS: usize = 20_000;
@@ -88,6 +89,8 @@ pub(super) fn solve(program: &RatioProgram, why: &'static str) -> Outcome {
     let gap = ((value - bound) / search.goal.reference(ratio, value)).max(0.0);
     let certificate = if is_proof(finished, gap) {
         Certificate::Certified { lower_bound: search.goal.natural(bound.min(value)), gap, method: "branch and bound" }
+    } else if work::is_spent() {
+        Certificate::ended(gap)
     } else {
         Certificate::NotCertified(why.into())
     };
@@ -126,7 +129,7 @@ impl Search<'_> {
         }
         let most = if self.program.is_evaluated() { MAX_WEAKENED } else { MAX_INTERVALS };
         for _ in 0..most {
-            if self.program.prepared.stop.now() {
+            if self.program.prepared.stop.ends_program() {
                 break;
             }
             let Some(interval) = heap.pop() else {

@@ -5,8 +5,9 @@
 //! reason. Prices are differences of evaluations.
 
 use super::objective::Goal;
-use super::{Certificate, End, Optimum, Outcome, RatioProgram, Refusal, ShadowPrice, Window, scan};
+use super::{Certificate, End, Optimum, Outcome, RatioProgram, Refusal, ShadowPrice, Unsolved, Window, scan};
 use gearwise_model::actuator::fitted::why_evaluated;
+use gearwise_model::numerics::work;
 
 /// Relative step of the differences.
 const STEP: f64 = 1e-6;
@@ -18,7 +19,11 @@ pub(super) fn solve(program: &RatioProgram) -> Outcome {
     };
     let goal = Goal::new(program);
     let found = scan::scan(program, &goal, &low, &high);
-    let ratio = found.best.map_err(Refusal::Infeasible)?;
+    let ratio = match found.best {
+        Ok(ratio) => ratio,
+        Err(_) if work::is_spent() => return Err(Refusal::NotSolved(Unsolved::NothingRuledOut)),
+        Err(why) => return Err(Refusal::Infeasible(why)),
+    };
     let objective = goal.natural(goal.value(ratio));
     Ok(Optimum {
         ratio,

@@ -16,6 +16,7 @@ use gearwise_model::actuator::limits::Demand;
 use gearwise_model::actuator::shaft::{Feature, Flow};
 use gearwise_model::actuator::waveform::Functional;
 use gearwise_model::numerics::roots::{parts_below, sign_changes};
+use gearwise_model::numerics::work;
 
 /// More jumps than any set of rows has been seen to need.
 const MAX_JUMPS: usize = 200;
@@ -103,6 +104,9 @@ fn walk(program: &RatioProgram, low: &End, high: &End, upwards: bool) -> Result<
         Err(Ended::Refused(Infeasible::Contradiction { low, at_least, high, at_most }))
     };
     for _ in 0..MAX_JUMPS {
+        if work::is_spent() {
+            break;
+        }
         let Some(row) = violated(program, ratio) else { return Ok((ratio, bind)) };
         let here = Bind::of(program.limits[row.index].asked.limit.name, row.sample);
         let parts = parts_below(&row.polynomial, row.bound, first, last);
@@ -189,6 +193,9 @@ fn keeps_between(Limited { candidate, asked }: &Limited, a: f64, b: f64) -> bool
             let mut open = vec![(a, b)];
             for _ in 0..PIECES {
                 let Some((from, to)) = open.pop() else { return true };
+                if work::is_spent() {
+                    return false;
+                }
                 let at_an_end = to <= a * (1.0 + NEAR_END) || from >= b * (1.0 - NEAR_END);
                 if at_an_end
                     || asked.load(candidate).winding_peak_stays_within(actuator, &node, (from, to), asked.bound)

@@ -13,6 +13,7 @@ use crate::evaluate::Prepared;
 use gearwise_model::actuator::limits::{Asked, Candidate, Check, LIMITS, Limit};
 use gearwise_model::actuator::{Laurent, Load};
 use gearwise_model::numerics::roots::parts_below;
+use gearwise_model::numerics::work;
 use gearwise_model::requirement::{GearMap, GearPiece, MapRow, Quantity};
 
 /// Two ratios that differ by less than this share are neighbours.
@@ -78,7 +79,7 @@ struct Cut {
 }
 
 const BY_GEAR: Cut = Cut { method: "pieces of the gear map", whole: "the gear map" };
-const BY_STANDSTILL: Cut = Cut { method: "pieces of one degree of standstill", whole: "the range of ratios" };
+const BY_STANDSTILL: Cut = Cut { method: "pieces of constant standstill", whole: "the range of ratios" };
 
 /// Why nothing of a piece, or of a part of it, keeps all limits.
 struct RuledOut {
@@ -153,24 +154,40 @@ pub(super) fn solve_standing(program: &RatioProgram) -> Outcome {
         ends.push(only);
     }
     let mut solved = Vec::new();
-    let mut open = vec![(0, ends.len() - 1)];
-    while let Some((first, last)) = open.pop() {
+    // Spans in rising order, each with why nothing is possible in it, where that is known with less standstill.
+    let mut open: Vec<(usize, usize, Option<Infeasible>)> = vec![(0, ends.len() - 1, None)];
+    while let Some((first, last, ruled_out)) = open.pop() {
+        if let Some(why) = ruled_out.as_ref().filter(|_| work::is_spent()) {
+            let span = Span { from: ends[first], to: ends[last], low: None, high: None };
+            let outcome = Err(Refusal::Infeasible(why.clone()));
+            solved.push(Solved { outcome, piece: (span.from, span.to), span, bound: Some(f64::INFINITY) });
+            continue;
+        }
+        // Once the work is done, all that is left is one piece.
+        let last = if work::is_spent() { ends.len() - 1 } else { last };
         let (from, to) = (ends[first], ends[last]);
         let span = Span { from, to, low: None, high: None };
         let at = |ratio: f64| solve_span(program, &groups, &Piece::StandingAt(ratio), &span);
         let (mut outcome, bound) = at(ends[last - 1]);
-        if let Err(Refusal::Infeasible(Infeasible::Never { bind, .. })) = &outcome
+        if let Err(Refusal::Infeasible(Infeasible::Never { bind, ratio, .. })) = &outcome
             && last - first > 1
+            && let Some(least) = least_of_pieces(program, &groups, &ends[first..=last], bind.limit, *ratio)
         {
-            // By how much at best: of each piece by its own degrees.
-            let never = |k: usize| {
-                let range = (ends[k], ends[k + 1]);
-                on_span(program, &groups, &Piece::StandingAt(range.0), range, |own| own.never_of(bind.limit))
+            outcome = Err(Refusal::Infeasible(least));
+        }
+        if work::is_spent() && last - first > 1 {
+            // What is possible with the most standstill is, and nothing is better than with the least.
+            let safe = at(from).0;
+            let outcome = match (outcome, safe) {
+                (Err(Refusal::Infeasible(why)), _) => Err(Refusal::Infeasible(why)),
+                (_, Ok(safe)) => Ok(Optimum { certificate: Certificate::ended(f64::INFINITY), ..safe }),
+                _ => Err(Refusal::NotSolved(Unsolved::NothingRuledOut)),
             };
-            let all = (first..last).filter_map(never);
-            if let Some((_, least)) = all.min_by(|a, b| a.0.total_cmp(&b.0)) {
-                outcome = Err(Refusal::Infeasible(least));
+            solved.push(Solved { outcome, span, bound, piece: (from, to) });
+            if last == ends.len() - 1 {
+                break;
             }
+            continue;
         }
         let is_settled = last - first == 1
             || match &outcome {
@@ -188,10 +205,48 @@ pub(super) fn solve_standing(program: &RatioProgram) -> Outcome {
             solved.push(Solved { outcome, span, bound, piece: (from, to) });
         } else {
             let middle = first + (last - first) / 2;
-            open.extend([(middle, last), (first, middle)]);
+            let why = match outcome {
+                Err(Refusal::Infeasible(why)) => Some(why),
+                _ => None,
+            };
+            open.extend([(middle, last, why.clone()), (first, middle, why)]);
         }
     }
     combined(program, &groups, solved, Vec::new(), &BY_STANDSTILL)
+}
+
+/// The report of a limit that no ratio keeps, of pieces each with its own degrees of standstill: by how much at best.
+///
+/// With the degrees of the last piece the demand is nowhere larger, and has one valley, at `valley`: from there on outwards no piece is
+/// looked at that cannot be better than the best one.
+fn least_of_pieces(
+    program: &RatioProgram,
+    groups: &[Group],
+    ends: &[f64],
+    limit: &str,
+    valley: f64,
+) -> Option<Infeasible> {
+    let pieces = ends.len() - 1;
+    let piece = |k: usize| {
+        let range = (ends[k], ends[k + 1]);
+        on_span(program, groups, &Piece::StandingAt(range.0), range, |own| own.never_of(limit))
+    };
+    let least_standing = Piece::StandingAt(ends[pieces - 1]);
+    on_span(program, groups, &least_standing, (ends[0], ends[pieces]), |lower| {
+        let middle = ends.partition_point(|end| *end <= valley).clamp(1, pieces) - 1;
+        let mut best = piece(middle)?;
+        let below = (0..middle).rev().map(|k| (k, ends[k + 1])).collect::<Vec<_>>();
+        let above = (middle + 1..pieces).map(|k| (k, ends[k])).collect();
+        for side in [above, below] {
+            for (k, nearest) in side {
+                if lower.demand_of(limit, nearest)? >= best.0 {
+                    break;
+                }
+                best = piece(k).filter(|own| own.0 < best.0).unwrap_or(best);
+            }
+        }
+        Some(best.1)
+    })
 }
 
 /// True if two programs have the same feasible ratios and optimum.
@@ -435,6 +490,10 @@ fn certificate(best: &Optimum, solved: &[Solved], cut: &Cut) -> Certificate {
     let value = best.objective;
     let own_gap = match &best.certificate {
         Certificate::Certified { gap, .. } => *gap,
+        _ if work::is_spent() => {
+            let bound = solved.iter().map(|part| part.bound.unwrap_or(f64::NEG_INFINITY)).fold(f64::INFINITY, f64::min);
+            return Certificate::ended(((value - bound) / value.abs()).max(0.0));
+        }
         not => return not.clone(),
     };
     let mut bound = f64::INFINITY;

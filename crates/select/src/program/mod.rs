@@ -28,6 +28,7 @@ mod window;
 use gearwise_model::actuator::Laurent;
 use gearwise_model::actuator::limits::{Asked, Candidate, Class, Demand};
 use gearwise_model::numerics::line_search::least_in_range;
+use gearwise_model::numerics::work;
 use gearwise_model::requirement::{Objective, Quantity};
 
 use super::evaluate::{Prepared, violation};
@@ -104,6 +105,21 @@ pub struct RatioProgram<'a> {
     limits: Vec<Limited<'a>>,
 }
 
+/// Steps of [`work`] for all programs of a robot, of which there are about [`MOTORS`] for each joint: 100 s of one core, if all do it.
+const ALL_STEPS: u64 = 16_000_000_000;
+
+/// Motors among which a joint chooses.
+const MOTORS: u64 = 150;
+
+/// Fewest steps for one program, of a robot of many joints: 40 ms.
+const FEWEST_STEPS: u64 = 4_000_000;
+
+/// Solve a program within its share of the work.
+fn within_share<T>(candidate: &Candidate, solve: impl FnOnce() -> T) -> T {
+    let programs = MOTORS * candidate.robot.joints.len().max(1) as u64;
+    work::within((ALL_STEPS / programs).max(FEWEST_STEPS), solve)
+}
+
 /// An objective that counts a mass that no ratio changes: the rest of it, and what the mass adds.
 fn with_constant_mass(prepared: &Prepared, objective: &Objective) -> Option<(Objective, f64)> {
     let (rest, weight) = objective.apart_from_mass()?;
@@ -147,9 +163,15 @@ impl<'a> RatioProgram<'a> {
         RatioProgram { prepared, objective, range: (min, max), limits }
     }
 
-    /// Solves it.
+    /// Solve it. A program that does more work than its share ends with the best ratio found so far, which is not certified.
     pub fn solve(&self) -> Outcome {
-        if self.stands_by_ratio() {
+        within_share(&self.prepared.candidate, || self.solve_within())
+    }
+
+    fn solve_within(&self) -> Outcome {
+        // Where effects are evaluated at each ratio, so is standstill.
+        let is_evaluated = self.has_evaluated_effects() && self.prepared.candidate.whole_map().is_none();
+        if self.stands_by_ratio() && !is_evaluated {
             return mapped::solve_standing(self);
         }
         if let Some(map) = self.prepared.candidate.whole_map() {
@@ -398,16 +420,12 @@ impl<'a> RatioProgram<'a> {
     }
 
     /// The report of a convex limit that no ratio of the requirement keeps: its least demand, of all candidates that it is asked of.
-    /// The largest of convex rows has one valley, which a golden section finds.
+    /// The largest of convex rows has one valley.
     fn never(&self, index: usize) -> Infeasible {
-        let asked = self.limits[index].asked;
-        let same = || self.limits.iter().filter(|limited| limited.asked.limit.name == asked.limit.name);
-        let worst = |n: f64| {
-            let all = same().map(|Limited { candidate, asked }| asked.raw_demand(candidate, n));
-            all.reduce(|a, b| if b.0 > a.0 { b } else { a }).unwrap_or((f64::NAN, None))
-        };
-        let ratio = least_in_range(&|n: f64| worst(n).0, self.range.0, self.range.1);
-        let (raw, sample) = worst(ratio);
+        // Once the work is done, the least so far.
+        let demand = |n: f64| if work::is_spent() { f64::INFINITY } else { self.worst_of(index, n).0 };
+        let ratio = least_in_range(&demand, self.range.0, self.range.1);
+        let (asked, (raw, sample)) = (self.limits[index].asked, self.worst_of(index, ratio));
         Infeasible::Never {
             bind: Bind::of(asked.limit.name, sample),
             least: asked.natural(raw) / asked.bound,
@@ -416,15 +434,34 @@ impl<'a> RatioProgram<'a> {
         }
     }
 
-    /// The same of a limit by its name, where its demand depends on standstill, and its least demand over the limit.
+    /// Largest demand of a limit at a ratio, of all candidates that it is asked of, and its sample.
+    fn worst_of(&self, index: usize, ratio: f64) -> (f64, Option<usize>) {
+        let name = self.limits[index].asked.limit.name;
+        let same = self.limits.iter().filter(|limited| limited.asked.limit.name == name);
+        let all = same.map(|Limited { candidate, asked }| asked.raw_demand(candidate, ratio));
+        all.reduce(|a, b| if b.0 > a.0 { b } else { a }).unwrap_or((f64::NAN, None))
+    }
+
+    /// Place of a limit by its name, where its demand depends on standstill.
+    fn standing_limit(&self, name: &str) -> Option<usize> {
+        self.limits.iter().position(|l| l.asked.limit.name == name && l.asked.depends_on_standing())
+    }
+
+    /// The report of a limit that depends on standstill, and its least demand over the limit.
     fn never_of(&self, name: &str) -> Option<(f64, Infeasible)> {
-        let is = |l: &Limited| l.asked.limit.name == name && l.asked.depends_on_standing();
-        match self.never(self.limits.iter().position(is)?) {
+        match self.never(self.standing_limit(name)?) {
             Infeasible::Never { least, bind, allowed, ratio } => {
                 Some((least, Infeasible::Never { bind, least, allowed, ratio }))
             }
             _ => None,
         }
+    }
+
+    /// Demand of a limit that depends on standstill over the limit, at a ratio.
+    fn demand_of(&self, name: &str, ratio: f64) -> Option<f64> {
+        let index = self.standing_limit(name)?;
+        let asked = self.limits[index].asked;
+        Some(asked.natural(self.worst_of(index, ratio).0) / asked.bound)
     }
 
     fn bind(&self, row: &Row) -> Bind {

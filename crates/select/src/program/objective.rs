@@ -203,7 +203,8 @@ impl<'a> Goal<'a> {
         let RatioProgram { prepared, objective, range, .. } = *self.program;
         if prepared.candidate.is_evaluated() {
             return prepared.at_ratio(ratio, |here| {
-                Goal::new(&RatioProgram { prepared: here, objective, range, limits: Vec::new() }).value(ratio)
+                let program = RatioProgram { prepared: here, objective, range, limits: Vec::new() };
+                Goal { squared_peak: self.squared_peak, ..Goal::new(&program) }.value(ratio)
             });
         }
         self.touched(ratio) + self.steps(ratio)

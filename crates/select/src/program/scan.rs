@@ -6,6 +6,7 @@ use super::{Bind, Class, End, Infeasible, Limited, RatioProgram, Window};
 use crate::evaluate::{FEASIBILITY_TOLERANCE, violation};
 use gearwise_model::actuator::limits::{Asked, Demand};
 use gearwise_model::numerics::line_search::{FULLY, crossing, golden_section};
+use gearwise_model::numerics::work;
 
 /// What exceeds a limit by this (relative) exceeds it for everyone: more than any tolerance with which limits
 /// are looked at.
@@ -23,6 +24,9 @@ const WEAKENED_STEPS: usize = 40;
 const SATURATED_POINTS: usize = 200;
 /// Points of the objective if the iron saturates: the branch and bound refines them.
 const SATURATED_VALUES: usize = 50;
+/// Points of a grid and narrowings of a valley once the program's share of the work is done.
+const SPENT_POINTS: usize = 16;
+const SPENT_STEPS: usize = 8;
 /// A limit that is kept by a current along d is met with equality: what differs by no more than this is rounding.
 const EQUALITY: f64 = 1e-10;
 /// How near the end of a window is found where ratios are evaluated (relative).
@@ -96,7 +100,7 @@ fn walks(program: &RatioProgram, grid: &[f64], cheap: &[f64]) -> Vec<Walk> {
         }
         first = last + 1;
     }
-    while let Some((first, last)) = open.pop() {
+    while let Some((first, last)) = open.pop().filter(|_| !work::is_spent()) {
         let said: Vec<Walk> = dear.iter().map(|l| says(l, over(first, last))).collect();
         let all = if said.contains(&Walk::Exceeded) {
             Walk::Exceeded
@@ -125,6 +129,8 @@ pub(super) fn scan(program: &RatioProgram, goal: &Goal, low: &End, high: &End) -
     };
     let known = walks(program, &grid, &cheap);
     let value = |k: usize| match known[k] {
+        // What was not looked at counts as exceeded: the branch and bound does not rule it out.
+        Walk::Open if work::is_spent() => cheap[k].max(CLEARLY),
         Walk::Open if cheap[k] <= FEASIBILITY_TOLERANCE => excess(grid[k]),
         Walk::Exceeded => cheap[k].max(CLEARLY),
         _ => cheap[k],
@@ -157,10 +163,11 @@ pub(super) fn scan(program: &RatioProgram, goal: &Goal, low: &End, high: &End) -
         let n = golden_section(&|n| turn.sign * excess(n), turn.ends.0, turn.ends.1, steps(program));
         (n, excess(n))
     };
-    let mut seen: Vec<Option<(f64, f64)>> = turns.iter().map(|t| (!t.certain).then(|| look(t))).collect();
+    let mut seen: Vec<Option<(f64, f64)>> =
+        turns.iter().map(|t| (!t.certain && !work::is_spent()).then(|| look(t))).collect();
     if !points.iter().chain(seen.iter().flatten()).any(|p| feasible(p.1)) {
         // Nothing is feasible: which ratio came nearest is told, and may be the bottom of any valley.
-        seen = turns.iter().zip(seen).map(|(t, seen)| seen.or_else(|| Some(look(t)))).collect();
+        seen = turns.iter().zip(seen).map(|(t, seen)| seen.or_else(|| (!work::is_spent()).then(|| look(t)))).collect();
     }
     points.extend(seen.into_iter().flatten());
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -270,6 +277,7 @@ fn is_proved_after(program: &RatioProgram) -> bool {
 /// How many points the grid has: evaluating effects at each takes its time.
 fn count(program: &RatioProgram) -> usize {
     match program.is_evaluated() {
+        _ if work::is_spent() => SPENT_POINTS,
         true if is_proved_after(program) => WEAKENED_POINTS,
         true => EVALUATED_POINTS,
         false if program.saturates() => SATURATED_POINTS,
@@ -279,11 +287,18 @@ fn count(program: &RatioProgram) -> usize {
 
 /// How often a valley is narrowed.
 fn steps(program: &RatioProgram) -> usize {
-    if is_proved_after(program) { WEAKENED_STEPS } else { FULLY }
+    match () {
+        () if work::is_spent() => SPENT_STEPS,
+        () if is_proved_after(program) => WEAKENED_STEPS,
+        () => FULLY,
+    }
 }
 
 /// The feasible end of the bracket between an infeasible and a feasible ratio, and what binds there.
 fn boundary(program: &RatioProgram, outside: f64, inside: f64) -> (f64, Bind) {
+    if work::is_spent() {
+        return (inside, worst(program, outside).1.unwrap_or(Bind::of("ratio_min", None)));
+    }
     if program.is_evaluated() {
         let (bad, good) = crossing(&|n| worst(program, n).0, outside, inside, END);
         return (good, worst(program, bad).1.unwrap_or(Bind::of("ratio_min", None)));
@@ -291,7 +306,7 @@ fn boundary(program: &RatioProgram, outside: f64, inside: f64) -> (f64, Bind) {
     let (mut bad, mut good) = (outside, inside);
     for _ in 0..100 {
         let middle = 0.5 * (bad + good);
-        if middle == bad || middle == good {
+        if middle == bad || middle == good || work::is_spent() {
             break;
         }
         if worst(program, middle).0 <= 0.0 { good = middle } else { bad = middle }
@@ -382,7 +397,7 @@ fn nowhere(program: &RatioProgram, points: &[(f64, f64)]) -> Infeasible {
     let divides = !program.is_evaluated() && program.without_walks().is_some();
     while let Some(next) = (0..open.len()).min_by(|a, b| open[*a].0.total_cmp(&open[*b].0)) {
         let (promise, first, last) = open.swap_remove(next);
-        if promise >= nearest.1 {
+        if promise >= nearest.1 || work::is_spent() {
             break;
         }
         if !divides || last - first < FEW {
@@ -394,7 +409,7 @@ fn nowhere(program: &RatioProgram, points: &[(f64, f64)]) -> Infeasible {
     }
     let place = |k: usize| points.get(k).map_or(program.range.0, |p| p.0);
     let (left, right) = (place(nearest.0.saturating_sub(1)), place((nearest.0 + 1).min(points.len().max(1) - 1)));
-    let inside = golden_section(&|n| told(n).0, left, right, 40);
+    let inside = golden_section(&|n| told(n).0, left, right, if work::is_spent() { SPENT_STEPS } else { 40 });
     let ratio = if told(inside).0 < nearest.1 { inside } else { place(nearest.0) };
     let bind = told(ratio).1.unwrap_or(Bind::of("ratio_min", None));
     let named = program.limits.iter().filter(|l| l.asked.limit.name == bind.limit);

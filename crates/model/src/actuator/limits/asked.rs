@@ -176,8 +176,8 @@ impl Asked {
             }
             Demand::WindingPeak(_) if self.is_certainly_kept(candidate, ratio) => None,
             Demand::WindingPeak(node) => {
-                let cut = self.load(candidate).winding_peak_cut(actuator, &node, ratio, self.raw_bound());
-                Some((cut, self.raw_demand(candidate, ratio).1))
+                let (cut, sample) = self.load(candidate).winding_peak_cut(actuator, &node, ratio, self.raw_bound());
+                Some((cut, sample.map(|k| k + candidate.first_sample(self.actuator))))
             }
             Demand::MeanCurrentSquared(standing) => {
                 let load = self.load(candidate);

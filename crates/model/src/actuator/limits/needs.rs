@@ -229,7 +229,7 @@ pub const NEEDS: &[Need] = &[
             // Of a module without constants there is no loss at all.
             let says_loss = c.motor.inside.as_deref().is_none_or(Inside::says_currents);
             let counts = c.joint.motor_drag == MotorDrag::Counted && c.drag_is_unknown() && says_loss;
-            counts.then_some("the motor's drag is not known and left out: its row says no no-load current and no friction, and it is not estimated")
+            counts.then_some("the motor's drag is not known and left out: its row gives neither no-load current nor friction, and it is not estimated")
         },
         at_ratio: |_| None,
     },

@@ -7,6 +7,13 @@ pub(super) const PARTS_PER_TIME_CONSTANT: f64 = 16.0;
 /// heat.
 pub(super) const MOST_PARTS: f64 = 256.0;
 
+/// Most parts of a motion of many intervals: those of its intervals are fewer then, down to [`FEWEST_PARTS`]. The largest
+/// rise then has an error of up to 2e-5.
+pub(super) const ALL_PARTS: f64 = 16_384.0;
+
+/// Most parts of an interval in a motion of very many.
+pub(super) const FEWEST_PARTS: f64 = 16.0;
+
 /// Parts shorter than this share of the winding's time constant are held at one heat.
 pub(super) const SHORT: f64 = 1.0 / 1024.0;
 
@@ -69,6 +76,7 @@ impl<'a> Heat<'a> {
         debug_assert!(times.is_sorted(), "times increase");
         let last = times.len() - 1;
         let end = times[0] + period_or_duration;
+        let most = (ALL_PARTS / times.len() as f64).clamp(FEWEST_PARTS, MOST_PARTS);
         (0..=last).flat_map(move |sample| {
             let next = match course {
                 _ if sample < last => sample + 1,
@@ -78,7 +86,7 @@ impl<'a> Heat<'a> {
             let until = if sample < last { times[sample + 1] } else { end };
             let interval = (until - times[sample]).max(0.0);
             let parts = interval * (PARTS_PER_TIME_CONSTANT / time_constant);
-            let count = if parts <= 1.0 { 1 } else { parts.ceil().min(MOST_PARTS) as u32 };
+            let count = if parts <= 1.0 { 1 } else { parts.ceil().min(most) as u32 };
             let one = if count == 1 { 1.0 } else { 1.0 / f64::from(count) };
             let duration = interval * one;
             let halves: u32 = if duration <= SHORT * time_constant { 1 } else { 2 };

@@ -48,6 +48,7 @@ mod tests;
 pub use heat::{Course, Heat};
 
 use super::thermal::{copper, resistance_factor};
+use crate::numerics::work;
 use heat::Part;
 use peak::{Peak, Watt};
 use step::{Rates, Rise, Step, times};
@@ -194,6 +195,7 @@ impl TwoNode {
             nodes.push((part, rise));
             rise = step(&part).apply(rise);
         });
+        work::count((if heat.phase.is_empty() { 6 } else { 12 }) * nodes.len());
         let rates = self.rates(copper(self.reference));
         let peak = rates.peak(heat, course, nodes.iter().copied(), rise);
         let phase = match heat.phase.is_empty() {
@@ -237,6 +239,7 @@ impl TwoNode {
             rise = node.step.apply(rise);
             nodes.push(node);
         });
+        work::count((if heat.phase.is_empty() { 10 } else { 30 }) * nodes.len());
         let places = nodes.iter().map(|node| (node.part, node.before));
         let Peak { node: hottest, steps, rise: largest, .. } = rates.peak(heat, course, places.clone(), rise);
         if !heat.phase.is_empty() {

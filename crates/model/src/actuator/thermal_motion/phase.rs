@@ -107,12 +107,18 @@ impl PhaseStep {
 }
 
 impl Rates {
-    /// The step of the phase over a time \[s\] at constant heats of the winding and of the phase \[W\], and its derivatives by both.
-    fn phase_step(&self, duration: f64, [heat, own]: [f64; 2]) -> (PhaseStep, [PhaseStep; 2]) {
+    /// The step of the phase over a time \[s\] at constant heats of the winding and of the phase \[W\].
+    fn phase_step(&self, duration: f64, heats: [f64; 2]) -> PhaseStep {
+        self.expand_phase::<false>(duration, heats).0
+    }
+
+    /// The step of the phase over a time \[s\] at constant heats of the winding and of the phase \[W\], and with `SLOPES` its derivatives by
+    /// both.
+    fn expand_phase<const SLOPES: bool>(&self, duration: f64, [heat, own]: [f64; 2]) -> (PhaseStep, [PhaseStep; 2]) {
         let stiffness = 2.0 * (self.winding + self.housing) + self.ambient + self.growth * own.max(heat);
         let size = duration * stiffness;
         if size <= 1.0 / 512.0 {
-            return self.phase_series::<5>(duration, [heat, own]);
+            return self.phase_series::<5, SLOPES>(duration, [heat, own]);
         }
         let (mut part, mut doublings) = (1.0, 0);
         while size * part > 0.25 && doublings < 1000 {
@@ -120,41 +126,52 @@ impl Rates {
             doublings += 1;
         }
         let (mut two, mut two_slope) = self.series::<12>(duration * part, heat);
-        let (mut step, mut slopes) = self.phase_series::<12>(duration * part, [heat, own]);
+        let (mut step, mut slopes) = self.phase_series::<12, SLOPES>(duration * part, [heat, own]);
         for _ in 0..doublings {
-            slopes =
-                [step.twice_slope(&slopes[0], &two, &two_slope), step.twice_slope(&slopes[1], &two, &Step::NOTHING)];
+            if SLOPES {
+                slopes = [
+                    step.twice_slope(&slopes[0], &two, &two_slope),
+                    step.twice_slope(&slopes[1], &two, &Step::NOTHING),
+                ];
+                two_slope = two.twice_slope(&two_slope);
+            }
             step = step.twice(&two);
-            two_slope = two.twice_slope(&two_slope);
             two = two.then(&two);
         }
         (step, slopes)
     }
 
     /// The first terms of the series: the row of the phase of `e^B − I` and of `h φ(B) b`, with B of winding, housing and phase.
-    fn phase_series<const TERMS: usize>(&self, h: f64, [heat, own]: [f64; 2]) -> (PhaseStep, [PhaseStep; 2]) {
+    #[inline(always)]
+    fn phase_series<const TERMS: usize, const SLOPES: bool>(
+        &self,
+        h: f64,
+        [heat, own]: [f64; 2],
+    ) -> (PhaseStep, [PhaseStep; 2]) {
         let Rates { winding, housing, ambient, growth, source } = *self;
         let (ww, wh, hw, hh) = (h * (growth * heat - winding), h * winding, h * housing, -h * (housing + ambient));
         let (ph, pp, grows) = (h * winding, h * (growth * own - winding), h * growth);
         let next = |[w, h, p]: [f64; 3]| [w * ww + h * hw, w * wh + h * hh + p * ph, p * pp];
         let (mut row, mut by_heat, mut by_own) = ([0.0, 0.0, 1.0], [0.0; 3], [0.0; 3]);
         let (mut step, mut slopes) = (PhaseStep::NOTHING, [PhaseStep::NOTHING; 2]);
-        let mut factorial = 1.0;
-        for (n, coefficient) in PHI[..TERMS].iter().enumerate() {
-            // The row of Bⁿ, of which n! times the coefficient of φ is 1/(n + 1).
-            let of_gain = h * source * coefficient;
+        for inverse in &PHI[..TERMS] {
+            // The row of Bⁿ; the coefficient is 1/(n + 1)!.
+            let of_gain = h * source * inverse;
             step.gain += of_gain * (row[0] * heat + row[2] * own);
-            slopes[0].gain += of_gain * (row[0] + by_heat[0] * heat + by_heat[2] * own);
-            slopes[1].gain += of_gain * (row[2] + by_own[0] * heat + by_own[2] * own);
-            let (heats, owns) = (next(by_heat), next(by_own));
-            by_heat = [heats[0] + row[0] * grows, heats[1], heats[2]];
-            by_own = [owns[0], owns[1], owns[2] + row[2] * grows];
+            if SLOPES {
+                slopes[0].gain += of_gain * (row[0] + by_heat[0] * heat + by_heat[2] * own);
+                slopes[1].gain += of_gain * (row[2] + by_own[0] * heat + by_own[2] * own);
+                let (heats, owns) = (next(by_heat), next(by_own));
+                by_heat = [heats[0] + row[0] * grows, heats[1], heats[2]];
+                by_own = [owns[0], owns[1], owns[2] + row[2] * grows];
+            }
             row = next(row);
-            factorial *= (n + 1) as f64;
             for i in 0..3 {
-                step.change[i] += row[i] / factorial;
-                slopes[0].change[i] += by_heat[i] / factorial;
-                slopes[1].change[i] += by_own[i] / factorial;
+                step.change[i] += row[i] * inverse;
+                if SLOPES {
+                    slopes[0].change[i] += by_heat[i] * inverse;
+                    slopes[1].change[i] += by_own[i] * inverse;
+                }
             }
         }
         (step, slopes)
@@ -164,7 +181,7 @@ impl Rates {
     /// repeats runs away.
     pub(super) fn phase(&self, heat: &Heat, course: Course, nodes: &[(Part, Rise)]) -> Option<PhaseRise> {
         let over = |(part, rise): &(Part, Rise)| {
-            let step = self.phase_step(part.duration, [part.heat, heat.phase_between(part, part.share)]).0;
+            let step = self.phase_step(part.duration, [part.heat, heat.phase_between(part, part.share)]);
             (step.decay(), step.fed(*rise))
         };
         let steps: Vec<(f64, f64)> = nodes.iter().map(over).collect();
@@ -236,7 +253,7 @@ impl Rates {
         let (mut rise, mut phase) = (start, all.rises[node]);
         for (k, hold) in self.holds_within(heat, part, shares, duration).enumerate() {
             let heats = hold.heats(heat, part);
-            phase = self.phase_step(hold.duration, heats).0.apply(rise, phase);
+            phase = self.phase_step(hold.duration, heats).apply(rise, phase);
             rise = self.step(hold.duration, heats[0]).apply(rise);
             if phase > all.peak {
                 (all.peak, all.node, all.steps, all.sample) = (phase, node, k + 1, part.sample);
@@ -247,7 +264,7 @@ impl Rates {
     fn phase_watt(&self, heat: &Heat, part: Part, hold: Hold, before: (Rise, f64)) -> PhaseWatt {
         let heats = hold.heats(heat, &part);
         let (winding, slope) = self.expand(hold.duration, heats[0]);
-        let (phase, slopes) = self.phase_step(hold.duration, heats);
+        let (phase, slopes) = self.expand_phase::<true>(hold.duration, heats);
         let by_change = times(&slope.change, before.0);
         PhaseWatt {
             part,

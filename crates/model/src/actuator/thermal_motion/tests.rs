@@ -609,6 +609,38 @@ fn long_intervals_are_close_to_the_course_they_stand_for() {
     assert_eq!(coarse.peak_sample, 1);
 }
 
+/// A motion of so many long intervals that each has fewer parts is followed as with four times as many.
+#[test]
+fn fewer_parts_of_many_intervals_hardly_change_the_peak() {
+    let mut rng = Pcg64::seed_from_u64(41);
+    let mut most = 0.0_f64;
+    for round in 0..24 {
+        let motor = random_motor(&mut rng);
+        let (count, fine) = (600, 4);
+        let interval = motor.time_constant_winding * [2.0, 4.0, 8.0][round % 3];
+        let heat = random_heat(&mut rng, count, 0.5 * threshold(&motor));
+        let of = |count: usize, heat: &[f64]| {
+            let (times, period) = (grid(count, 600.0 * interval), 600.0 * interval);
+            peak(
+                &motor,
+                &Heat { times: &times, period_or_duration: period, heat, settling: &[], phase: &[] },
+                Course::Periodic,
+            )
+        };
+        let between = |k: usize| {
+            let (at, share) = (k / fine, (k % fine) as f64 / fine as f64);
+            (1.0 - share) * heat[at] + share * heat[(at + 1) % count]
+        };
+        let finer: Vec<f64> = (0..count * fine).map(between).collect();
+        let (coarse, exact) = (of(count, &heat), of(count * fine, &finer));
+        if exact.is_finite() {
+            most = most.max((coarse - exact).abs() / (exact - motor.ambient));
+        }
+    }
+    println!("apart by {most:e} of the rise");
+    assert!(most > 0.0 && most < 2e-5, "{most}");
+}
+
 #[test]
 fn intervals_of_thousands_of_time_constants_follow_their_heat() {
     let r_th = MOTOR.resistance_winding_housing + MOTOR.resistance_housing_ambient;

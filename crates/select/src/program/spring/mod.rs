@@ -19,6 +19,7 @@ mod search;
 use super::Bind;
 use super::{
     Certificate, GAP_TOLERANCE, Infeasible, Optimum, RatioProgram, Refusal, Unsolved, Window, with_constant_mass,
+    within_share,
 };
 use crate::Candidate;
 use crate::evaluate::Prepared;
@@ -74,6 +75,16 @@ impl Sprung {
 /// # Errors
 /// The outcome, where it is not an optimum.
 pub fn solve(
+    prepared: &Prepared,
+    objective: &Objective,
+    spring: &Spring,
+    (min, max): (f64, f64),
+    covered: f64,
+) -> Result<SpringOptimum, Refusal> {
+    within_share(&prepared.candidate, || solve_within(prepared, objective, spring, (min, max), covered))
+}
+
+fn solve_within(
     prepared: &Prepared,
     objective: &Objective,
     spring: &Spring,

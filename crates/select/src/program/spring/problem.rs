@@ -7,11 +7,12 @@ use super::region::Region;
 use crate::evaluate::{Prepared, violation};
 use crate::program::objective::why_not_convex;
 use gearwise_model::actuator::limits::{Asked, Class, Demand};
-use gearwise_model::actuator::load::BANDWIDTH_PHASES;
+use gearwise_model::actuator::load::{BANDWIDTH_PHASES, WindingPeak};
 use gearwise_model::actuator::shaft::sign;
 use gearwise_model::actuator::supply::{Drawn, Supply};
 use gearwise_model::actuator::waveform::{FUNCTIONALS, Functional};
 use gearwise_model::actuator::{Actuator, Load};
+use gearwise_model::numerics::work;
 use gearwise_model::requirement::{Joint, Motion, Objective, Quantity, Spring};
 
 /// What is asked at a spring, which limit is meant: its place, and that of the sample.
@@ -185,9 +186,10 @@ impl<'a> Problem<'a> {
         Load::with_inertia(&joint.motion, joint.ripple(), self.covered)
     }
 
-    /// Whether the search is to stop.
+    /// True if the search is to end; counts the work of a region.
     pub(super) fn is_stopped(&self) -> bool {
-        self.prepared.stop.now()
+        work::count(100_000 + 50 * self.means.len());
+        self.prepared.stop.ends_program()
     }
 
     fn actuator(&self) -> &Actuator {
@@ -544,7 +546,8 @@ impl<'a> Problem<'a> {
                 Some(Row { form, bound })
             }
             Demand::WindingPeak(node) => {
-                let (rise, gradient) = self.load_at(z).winding_peak_gradient(actuator, &node, z[0].sqrt(), bound);
+                let WindingPeak { rise, gradient, .. } =
+                    self.load_at(z).winding_peak_gradient(actuator, &node, z[0].sqrt(), bound);
                 let mut form = Form::default();
                 let mut here = 0.0;
                 for (sample, per_watt) in self.means.iter().zip(gradient) {
