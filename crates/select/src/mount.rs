@@ -197,6 +197,8 @@ pub struct JointDemand<'a> {
     by_pattern: BTreeMap<&'a str, Vec<usize>>,
     /// Those that name none.
     for_any: Vec<usize>,
+    /// The number of motors that the joint allows.
+    motors: usize,
 }
 
 impl<'a> JointDemand<'a> {
@@ -220,7 +222,8 @@ impl<'a> JointDemand<'a> {
         let gears = gears.into_par_iter().map(|gear| (gear, own(gear))).collect();
         let make = || load_covering(joint, None);
         let load = loads.map_or_else(make, |loads| loads.of(joint, make));
-        JointDemand { load, gears, by_pattern, for_any }
+        let motors = catalog.motors.iter().filter(|motor| !joint.motors.pass_over(motor)).count();
+        JointDemand { load, gears, by_pattern, for_any, motors }
     }
 
     /// A gear that the joint allows, by its id.
@@ -273,12 +276,13 @@ pub struct Site<'a, 'd> {
 impl<'a: 'd, 'd> Site<'a, 'd> {
     /// A joint of a robot with what it asks.
     pub fn new(robot: &'a Robot, joint: &'a Joint, demand: &'d JointDemand<'a>) -> Site<'a, 'd> {
-        Site { robot, joint, demand, stop: Stop::NEVER, whole_windows: false }
+        Site { robot, joint, demand, whole_windows: false, stop: Stop::NEVER }.stopping(Stop::NEVER)
     }
 
     /// The same for searches that may be stopped.
     pub fn stopping(self, stop: Stop<'d>) -> Site<'a, 'd> {
-        Site { stop, ..self }
+        let programs = self.demand.motors * self.robot.joints.len();
+        Site { stop: stop.among(programs), ..self }
     }
 
     /// Whether gears of the catalogue are asked for, and the ratio is not free.

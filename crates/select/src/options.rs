@@ -9,17 +9,40 @@ use gearwise_model::numerics::work;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Stopped;
 
-/// Whether a search is to stop, as it is asked from within.
+/// What ends a search, as it is asked from within.
 #[derive(Clone, Copy)]
-pub struct Stop<'s>(&'s (dyn Fn() -> bool + Sync));
+pub struct Stop<'s> {
+    asked: &'s (dyn Fn() -> bool + Sync),
+    /// Steps of [`work`] for each program.
+    steps: u64,
+}
+
+/// Steps of [`work`] for all programs of a search, if all do them: about 60 s of one core.
+const ALL_STEPS: u64 = 5_000_000_000;
+
+/// Fewest steps for one program, of a search of many: 20 ms.
+const FEWEST_STEPS: u64 = 2_000_000;
+
+/// Most steps for one program.
+const MOST_STEPS: u64 = 400_000_000;
 
 impl<'s> Stop<'s> {
     /// Never.
-    pub const NEVER: Stop<'static> = Stop(&|| false);
+    pub const NEVER: Stop<'static> = Stop { asked: &|| false, steps: MOST_STEPS };
 
     /// When somebody says so.
     pub fn when(stop: &'s (dyn Fn() -> bool + Sync)) -> Stop<'s> {
-        Stop(stop)
+        Stop { asked: stop, ..Stop::NEVER }
+    }
+
+    /// The same where so many programs share the work.
+    pub(super) fn among(self, programs: usize) -> Stop<'s> {
+        Stop { steps: (ALL_STEPS / programs.max(1) as u64).clamp(FEWEST_STEPS, MOST_STEPS), ..self }
+    }
+
+    /// Solve a program within its share of the work.
+    pub(super) fn within<T>(self, solve: impl FnOnce() -> T) -> T {
+        work::within(self.steps, solve)
     }
 
     /// True if a program is to end: it was stopped, or its share of the work is done.
@@ -29,7 +52,7 @@ impl<'s> Stop<'s> {
 
     /// Whether it is to stop now.
     pub fn now(self) -> bool {
-        (self.0)()
+        (self.asked)()
     }
 
     /// What was found, if nobody stopped the search: what a stopped one leaves is no answer.

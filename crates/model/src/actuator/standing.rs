@@ -11,6 +11,8 @@
 //!   an oscillation (at most nine times), or it is more than twice as large and every half of the window sweeps most of the angle,
 //!   which it does neither in a crawl (half) nor at a turning point (a quarter).
 //!
+//! An operating point that is shorter counts as if it went on at its speed.
+//!
 //! Degrees below 1/16 count as zero; the others are stretched over the rest, so that the degree stays continuous, and rounded up to
 //! 1/64. Turning points of an oscillation count as motion: they heat some phases more than others too, by 5 to 50 % of the excess at
 //! standstill in walking, which no limit counts.
@@ -322,7 +324,7 @@ impl Run {
         if self.is_of_points() {
             let of_point = |(speed, lasts): (&f64, &f64)| match speed.abs() {
                 0.0 => 0.0,
-                _ if *lasts < SHORTEST => 0.0,
+                speed if *lasts < SHORTEST => most_crawl() / (speed * tau),
                 speed => (most_crawl() / (speed * lasts.min(tau))).max(most_stay(1.0) / (speed * lasts)),
             };
             return self.position.iter().zip(&self.time).map(of_point).fold(0.0, f64::max);
@@ -340,10 +342,11 @@ impl Run {
     fn degrees(&self, thresholds: &[Threshold], kappa: f64, tau: f64) -> Vec<f64> {
         if self.is_of_points() {
             let of_point = |(speed, lasts): (&f64, &f64)| {
-                if *lasts < SHORTEST {
-                    return 0.0;
-                }
                 let turned = kappa * speed.abs();
+                // As if it went on: where it goes next is not known.
+                if *lasts < SHORTEST {
+                    return crawl(turned * tau);
+                }
                 // Without a duration it goes on.
                 let stays = if lasts.is_finite() { stay(turned * lasts) } else { 0.0 };
                 stays.max(crawl(turned * lasts.min(tau)))

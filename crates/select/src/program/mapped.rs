@@ -492,7 +492,11 @@ fn certificate(best: &Optimum, solved: &[Solved], cut: &Cut) -> Certificate {
         Certificate::Certified { gap, .. } => *gap,
         _ if work::is_spent() => {
             let bound = solved.iter().map(|part| part.bound.unwrap_or(f64::NEG_INFINITY)).fold(f64::INFINITY, f64::min);
-            return Certificate::ended(((value - bound) / value.abs()).max(0.0));
+            let gap = ((value - bound) / value.abs()).max(0.0);
+            return match gap <= GAP_TOLERANCE {
+                true => Certificate::Certified { lower_bound: bound.min(value), gap, method: cut.method },
+                false => Certificate::ended(gap),
+            };
         }
         not => return not.clone(),
     };

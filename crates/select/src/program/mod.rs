@@ -105,21 +105,6 @@ pub struct RatioProgram<'a> {
     limits: Vec<Limited<'a>>,
 }
 
-/// Steps of [`work`] for all programs of a robot, of which there are about [`MOTORS`] for each joint: 100 s of one core, if all do it.
-const ALL_STEPS: u64 = 16_000_000_000;
-
-/// Motors among which a joint chooses.
-const MOTORS: u64 = 150;
-
-/// Fewest steps for one program, of a robot of many joints: 40 ms.
-const FEWEST_STEPS: u64 = 4_000_000;
-
-/// Solve a program within its share of the work.
-fn within_share<T>(candidate: &Candidate, solve: impl FnOnce() -> T) -> T {
-    let programs = MOTORS * candidate.robot.joints.len().max(1) as u64;
-    work::within((ALL_STEPS / programs).max(FEWEST_STEPS), solve)
-}
-
 /// An objective that counts a mass that no ratio changes: the rest of it, and what the mass adds.
 fn with_constant_mass(prepared: &Prepared, objective: &Objective) -> Option<(Objective, f64)> {
     let (rest, weight) = objective.apart_from_mass()?;
@@ -165,7 +150,7 @@ impl<'a> RatioProgram<'a> {
 
     /// Solve it. A program that does more work than its share ends with the best ratio found so far, which is not certified.
     pub fn solve(&self) -> Outcome {
-        within_share(&self.prepared.candidate, || self.solve_within())
+        self.prepared.stop.within(|| self.solve_within())
     }
 
     fn solve_within(&self) -> Outcome {

@@ -24,8 +24,8 @@ const WEAKENED_STEPS: usize = 40;
 const SATURATED_POINTS: usize = 200;
 /// Points of the objective if the iron saturates: the branch and bound refines them.
 const SATURATED_VALUES: usize = 50;
-/// Points of a grid and narrowings of a valley once the program's share of the work is done.
-const SPENT_POINTS: usize = 16;
+/// Points of a grid that are looked at first, and narrowings of a valley, once the program's share of the work is done.
+const SPENT_POINTS: usize = 25;
 const SPENT_STEPS: usize = 8;
 /// A limit that is kept by a current along d is met with equality: what differs by no more than this is rounding.
 const EQUALITY: f64 = 1e-10;
@@ -72,9 +72,6 @@ const FEW: usize = 4;
 /// not looked at point by point.
 fn walks(program: &RatioProgram, grid: &[f64], cheap: &[f64]) -> Vec<Walk> {
     let dear: Vec<&Limited> = program.limits.iter().filter(|l| l.asked.demand.takes_a_walk()).collect();
-    if program.is_evaluated() || dear.is_empty() {
-        return vec![Walk::Kept; grid.len()];
-    }
     let mut known = vec![Walk::Open; grid.len()];
     let over = |first: usize, last: usize| (grid[first], grid[(last + 1).min(grid.len() - 1)]);
     let says = |l: &Limited, (a, b): (f64, f64)| match l.asked.demand {
@@ -123,19 +120,23 @@ pub(super) fn scan(program: &RatioProgram, goal: &Goal, low: &End, high: &End) -
     let excess = |n: f64| worst(program, n).0;
     let count = count(program);
     let grid = if max / min - 1.0 < 1e-12 { vec![min] } else { gearwise_model::numerics::grid::grid(min, max, count) };
-    let cheap: Vec<f64> = match program.without_walks().filter(|_| !program.is_evaluated()) {
-        Some(cheap) => grid.iter().map(|n| worst(&cheap, *n).0).collect(),
-        None => grid.iter().map(|n| excess(*n)).collect(),
+    let without_walks = program.without_walks().filter(|_| !program.is_evaluated());
+    let cheap: Option<Vec<f64>> = without_walks.map(|cheap| grid.iter().map(|n| worst(&cheap, *n).0).collect());
+    let known = cheap.as_ref().map_or_else(|| vec![Walk::Kept; grid.len()], |cheap| walks(program, &grid, cheap));
+    let value = |k: usize| match (&cheap, known[k]) {
+        (None, _) => excess(grid[k]),
+        (Some(cheap), Walk::Open) if cheap[k] <= FEASIBILITY_TOLERANCE => excess(grid[k]),
+        (Some(cheap), Walk::Exceeded) => cheap[k].max(CLEARLY),
+        (Some(cheap), _) => cheap[k],
     };
-    let known = walks(program, &grid, &cheap);
-    let value = |k: usize| match known[k] {
-        // What was not looked at counts as exceeded: the branch and bound does not rule it out.
-        Walk::Open if work::is_spent() => cheap[k].max(CLEARLY),
-        Walk::Open if cheap[k] <= FEASIBILITY_TOLERANCE => excess(grid[k]),
-        Walk::Exceeded => cheap[k].max(CLEARLY),
-        _ => cheap[k],
-    };
-    let mut points: Vec<(f64, f64)> = (0..grid.len()).map(|k| (grid[k], value(k))).collect();
+    // A few points of all first, and the others while the work lasts.
+    let every = (grid.len() / SPENT_POINTS).max(1);
+    let (few, rest): (Vec<usize>, Vec<usize>) = (0..grid.len()).partition(|k| k % every == 0 || k + 1 == grid.len());
+    let looked = few.into_iter().map(Some).chain(rest.into_iter().map(|k| (!work::is_spent()).then_some(k))).flatten();
+    let mut seen_at: Vec<(usize, f64)> = looked.map(|k| (k, value(k))).collect();
+    seen_at.sort_by_key(|(k, _)| *k);
+    let known: Vec<Walk> = seen_at.iter().map(|(k, _)| known[*k]).collect();
+    let mut points: Vec<(f64, f64)> = seen_at.into_iter().map(|(k, excess)| (grid[k], excess)).collect();
     // A window, or a gap in one, that is narrower than the grid shows as a valley, or a hill, of the
     // excess: look at its bottom, or its top.
     let mut turns: Vec<Turn> = Vec::new();

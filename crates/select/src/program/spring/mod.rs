@@ -19,7 +19,6 @@ mod search;
 use super::Bind;
 use super::{
     Certificate, GAP_TOLERANCE, Infeasible, Optimum, RatioProgram, Refusal, Unsolved, Window, with_constant_mass,
-    within_share,
 };
 use crate::Candidate;
 use crate::evaluate::Prepared;
@@ -81,7 +80,7 @@ pub fn solve(
     (min, max): (f64, f64),
     covered: f64,
 ) -> Result<SpringOptimum, Refusal> {
-    within_share(&prepared.candidate, || solve_within(prepared, objective, spring, (min, max), covered))
+    prepared.stop.within(|| solve_within(prepared, objective, spring, (min, max), covered))
 }
 
 fn solve_within(
