@@ -27,7 +27,7 @@ mod window;
 
 use gearwise_model::actuator::Laurent;
 use gearwise_model::actuator::limits::{Asked, Candidate, Class, Demand};
-use gearwise_model::numerics::line_search::least_in_range;
+use gearwise_model::numerics::line_search::least_in_few_looks;
 use gearwise_model::numerics::work;
 use gearwise_model::requirement::{Objective, Quantity};
 
@@ -409,7 +409,7 @@ impl<'a> RatioProgram<'a> {
     fn never(&self, index: usize) -> Infeasible {
         // Once the work is done, the least so far.
         let demand = |n: f64| if work::is_spent() { f64::INFINITY } else { self.worst_of(index, n).0 };
-        let ratio = least_in_range(&demand, self.range.0, self.range.1);
+        let ratio = least_in_few_looks(&demand, self.range.0, self.range.1);
         let (asked, (raw, sample)) = (self.limits[index].asked, self.worst_of(index, ratio));
         Infeasible::Never {
             bind: Bind::of(asked.limit.name, sample),
