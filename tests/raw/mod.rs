@@ -105,7 +105,7 @@ impl Case {
         (if motor.conventions.commutation == Commutation::Brushed { 0.0 } else { f64::from(pairs) }, tau)
     }
 
-    /// Whether slow samples are at rest to any degree at some ratio of the range.
+    /// True if slow samples have a degree of standstill at some ratio of the range.
     pub fn has_slow_motion(&self) -> bool {
         let (min, _) = self.robot.joints[0].ratio.range().unwrap();
         let (pairs, tau) = self.field();

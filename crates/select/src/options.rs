@@ -9,7 +9,7 @@ use gearwise_model::numerics::work;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Stopped;
 
-/// What ends a search, as it is asked from within.
+/// Conditions that end a search: a request to stop, and the share of the work of each program.
 #[derive(Clone, Copy)]
 pub struct Stop<'s> {
     asked: &'s (dyn Fn() -> bool + Sync),
@@ -35,7 +35,7 @@ impl<'s> Stop<'s> {
         Stop { asked: stop, ..Stop::NEVER }
     }
 
-    /// The same where so many programs share the work.
+    /// Share the work of a search among so many programs.
     pub(super) fn among(self, programs: usize) -> Stop<'s> {
         Stop { steps: (ALL_STEPS / programs.max(1) as u64).clamp(FEWEST_STEPS, MOST_STEPS), ..self }
     }

@@ -130,7 +130,7 @@ pub struct Load {
 pub struct WindingPeak {
     /// The rise, or what bounds it from below \[K\].
     pub rise: f64,
-    /// Its derivative by the copper heat of every sample \[K/W\].
+    /// Derivative of the rise by the copper heat of every sample \[K/W\].
     pub gradient: Vec<f64>,
     /// The sample at which it is reached; `None` where the heat runs away.
     pub sample: Option<usize>,
@@ -317,7 +317,7 @@ impl Load {
         Load { actuators: self.actuators.iter().map(folded).collect(), ..folded(self) }
     }
 
-    /// The same with samples that move at standstill to these degrees, made for a κ and a time constant \[s\].
+    /// Load with these degrees of standstill of slow samples, computed for κ and a winding time constant \[s\].
     pub(super) fn with_degrees(&self, degrees: &[u8], at: (f64, f64)) -> Load {
         let degree = |k: usize| f64::from(degrees[k]) / GRADES;
         let rest = |k: usize| self.rest[k] + (self.weight[k] - self.rest[k]).max(0.0) * degree(k);
@@ -960,7 +960,7 @@ impl Load {
         let largest = heat.map(|(heat, still)| heat * still).fold(0.0, f64::max);
         let stands = self.still.iter().zip(self.weight.iter()).filter(|(still, _)| **still > 0.0);
         let partly: f64 = stands.map(|(_, weight)| weight).sum();
-        // What stands to a degree lasts all of its time, with its degree of the heat.
+        // A sample with a degree of standstill lasts its whole time, with that share of its heat.
         let lasts = if self.stands_at.is_some() { partly } else { self.stands };
         (largest, lasts * duration, cycle)
     }

@@ -232,7 +232,7 @@ impl Run {
         let mut fine: Vec<Block> = (0..count * copies).map(interval).collect();
         for step in (0..).take_while(|step| length(*step) < lasts) {
             let length = length(step);
-            // What is fine for this length is fine enough for all that are longer.
+            // Blocks for this length are short enough for all longer windows.
             fine = Block::merged(&fine, length / (4.0 * BLOCKS));
             if !wanted(Some(step)) {
                 continue;
@@ -266,7 +266,7 @@ impl Run {
                 let halves = [0, count_of / 4, count_of / 2]
                     .map(|skip| start + skip..(start + skip + count_of.div_ceil(2)).min(end));
                 let least = halves.into_iter().map(angle).fold(f64::INFINITY, f64::min);
-                // Of few blocks a half is not half of the time.
+                // With few blocks, half of them do not last half of the time.
                 let least = if count_of >= 6 { least } else { 0.0 };
                 let leaves = match own > 0.0 {
                     // Already in half of the time a shake sweeps most of its angle.
@@ -417,7 +417,7 @@ impl Sweep {
         let mut all = vec![0; self.samples];
         for (run, thresholds) in self.runs() {
             for (degree, of) in all[run.samples.clone()].iter_mut().zip(run.degrees(thresholds, kappa, tau)) {
-                // Of rounding: what is a grade but for it stays that.
+                // A value that exceeds a grade by rounding keeps that grade.
                 *degree = ((of - LEAST) / (1.0 - LEAST) * GRADES - 1e-9).ceil().max(0.0) as u8;
             }
         }
@@ -427,6 +427,11 @@ impl Sweep {
 
 /// Motions of more samples have one step to an octave, of κ and of the time constant: each step holds numbers of all samples.
 const MANY: usize = 2000;
+
+/// Time constant \[s\] for which the degrees of a motion of so many samples are computed.
+fn rounded_time_constant(tau: f64, samples: usize) -> f64 {
+    if samples > MANY { tau.log2().floor().exp2() } else { tau }
+}
 
 /// Number of the step of κ, for a motion of so many samples: four to an octave, or every fourth of them.
 fn step_of(kappa: f64, samples: usize) -> i32 {
@@ -508,7 +513,7 @@ impl Load {
     /// κ, degrees are those of its lower end, where they are larger; an octave of κ and of `tau` for motions of many samples.
     pub fn standing(&self, kappa: f64, tau: f64) -> &Load {
         let Some(sweep) = self.sweep.as_deref() else { return self };
-        let tau = if sweep.samples > MANY { tau.log2().floor().exp2() } else { tau };
+        let tau = rounded_time_constant(tau, sweep.samples);
         if kappa > sweep.counts_below(tau) {
             return self;
         }
@@ -530,7 +535,7 @@ impl Load {
     /// The κ from `low` to `high` at which the degrees of standstill change, in rising order.
     pub(super) fn changes_between(&self, (low, high): (f64, f64), tau: f64) -> Vec<f64> {
         let Some(sweep) = self.sweep.as_deref() else { return Vec::new() };
-        let tau = if sweep.samples > MANY { tau.log2().floor().exp2() } else { tau };
+        let tau = rounded_time_constant(tau, sweep.samples);
         let most = high.min(sweep.counts_below(tau));
         if low.is_nan() || low > most {
             return Vec::new();
@@ -657,7 +662,7 @@ mod tests {
             let (truth, told, mean) = excess(&held, kappa, tau);
             apart = [apart[0].max((truth - told) / mean), apart[1].max((told - truth) / mean)];
         }
-        // What of the way into and out of the hold stays near it heats a little too.
+        // Parts of the moves into and out of the hold stay near it and heat the same phase.
         assert!(apart[0] < 0.12 && apart[1] < 0.08, "{apart:?}");
     }
 
@@ -701,6 +706,20 @@ mod tests {
             before = here;
         }
         assert_eq!(before, 0.0);
+    }
+
+    /// Short operating points count by their speed: the degree falls from that at rest to zero.
+    #[test]
+    fn a_short_operating_point_counts_by_its_speed() {
+        let degree = |speed: f64| {
+            let point = Point { torque: 1.0, velocity: speed, duration: Some(0.09), ..Point::default() };
+            let sweep = Sweep::new(&Motion::from_points(&[point]));
+            let degree = sweep.degrees(140.0, 20.0)[0];
+            assert!(degree == 0 || sweep.counts_below(20.0) >= 140.0, "at {speed} rad/s");
+            degree
+        };
+        assert_eq!([1e-9, 1e-6, 1.0].map(degree), [64, 64, 0]);
+        assert!((1..64).contains(&degree(1e-3)));
     }
 
     #[test]

@@ -65,7 +65,7 @@ pub fn least_in_range(f: &impl Fn(f64) -> f64, a: f64, b: f64) -> f64 {
     [a, b].into_iter().fold(inside, |best, end| if f(end) < f(best) { end } else { best })
 }
 
-/// The same to 1e-9 of the place, for functions that are dear.
+/// Bottom of the only valley of `f` over a range of positive numbers, to 1e-9 of its place, for functions that take long to evaluate.
 pub fn least_in_few_looks(f: &impl Fn(f64) -> f64, a: f64, b: f64) -> f64 {
     let inside = brent(&|ln: f64| f(ln.exp()), a.ln(), b.ln()).exp().clamp(a, b);
     [a, b].into_iter().fold(inside, |best, end| if f(end) < f(best) { end } else { best })

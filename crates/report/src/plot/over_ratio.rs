@@ -103,7 +103,7 @@ pub fn limits(evaluations: &[Evaluation], optimum: Option<&Optimum>, here: f64) 
         Some(o) => o.windows.iter().any(|w| n >= w.min && n <= w.max),
         None => (n / here).ln().abs() < 0.2,
     };
-    // What slow samples ask at standstill is asked at small ratios alone.
+    // Slow samples count at standstill at small ratios alone.
     let mut asked: Vec<(&'static str, Option<usize>)> = Vec::new();
     for margin in evaluations.iter().flat_map(|e| &e.margins) {
         let key = (margin.limit, margin.actuator);

@@ -87,7 +87,7 @@ pub(super) fn solve(program: &RatioProgram, why: &'static str) -> Outcome {
         windows.sort_by(|a, b| a.min.total_cmp(&b.min));
     }
     let gap = ((value - bound) / search.goal.reference(ratio, value)).max(0.0);
-    // What is left open has its bounds, too.
+    // Intervals left on the heap are bounded as well, so that the gap holds.
     let certificate = if is_proof(finished || work::is_spent(), gap) {
         Certificate::Certified { lower_bound: search.goal.natural(bound.min(value)), gap, method: "branch and bound" }
     } else if work::is_spent() {

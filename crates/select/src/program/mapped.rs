@@ -176,7 +176,7 @@ pub(super) fn solve_standing(program: &RatioProgram) -> Outcome {
             outcome = Err(Refusal::Infeasible(least));
         }
         if work::is_spent() && last - first > 1 {
-            // What is possible with the most standstill is, and nothing is better than with the least.
+            // A ratio that is feasible with the most standstill is feasible; the least standstill bounds the objective.
             let safe = at(from).0;
             let outcome = match (outcome, safe) {
                 (Err(Refusal::Infeasible(why)), _) => Err(Refusal::Infeasible(why)),
@@ -286,7 +286,7 @@ impl<'p> Piece<'p> {
         }
     }
 
-    /// Whether a limit is no part of the piece's own program: it cuts the piece in closed form.
+    /// True if a limit cuts the piece in closed form and is no part of the piece's own program.
     fn cuts(&self, limit: &str) -> bool {
         match self {
             Piece::OfGears(map, ..) => OF_THE_GEAR.iter().any(|(name, of)| *name == limit && map.says(of)),

@@ -208,7 +208,7 @@ fn prepared_at<T>(mount: Mount, all: &[Toleranced], at: &[f64], of: impl FnOnce(
     Some(of(&there.prepared().ok()?))
 }
 
-/// The same with slow samples at standstill as at a ratio.
+/// Candidate and limits with the degree of standstill at a ratio.
 fn standing_at<'p>(prepared: &Prepared<'p>, ratio: f64) -> Prepared<'p> {
     match prepared.candidate.by_ratio {
         Some(_) => prepared.with_candidate(prepared.candidate.standing_at(ratio)),

@@ -129,8 +129,8 @@ fn solve_within(
     solver.free(min, max)
 }
 
-/// The same where the degree changes with the ratio to which slow samples are at standstill: a spring moves no sample, so that each
-/// piece of ratios has degrees of its own.
+/// Solve for ratio and spring piece by piece where the degree of standstill depends on the ratio. A spring does not change the motion, so
+/// each piece keeps its degrees.
 fn solve_standing(
     prepared: &Prepared,
     objective: &Objective,
