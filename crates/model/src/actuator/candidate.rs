@@ -2,11 +2,10 @@
 
 use super::estimate::ASSUMED_WINDING_TEMPERATURE;
 use super::fitted;
-use super::limits::LEAST_TIME_CONSTANT;
 use super::load::Load;
 use super::shaft::{Actuator, End, Feature};
 use super::supply::{Drawn, Supply};
-use super::thermal;
+use super::thermal::{self, LEAST_TIME_CONSTANT};
 use super::thermal_motion::TwoNode;
 use super::weakening::{AlongD, Weakening};
 use crate::catalog::convention::{Commutation, CurrentConvention};

@@ -7,7 +7,7 @@ use std::sync::{Arc, OnceLock};
 use super::along_d::Needs;
 use super::heat_course::HeatCourse;
 use super::shaft::{Actuator, End, FEATURE_POWER, FEATURES, FLOWS, Feature, Flow, ShaftForm, sign};
-use super::standing::{GRADES, Stood, Sweep};
+use super::standing::{GRADES, Stood, Sweep, begin_of};
 use super::stretch::Piece;
 use super::supply::Drawn;
 use super::thermal::winding_temperature;
@@ -110,11 +110,11 @@ pub struct Load {
     /// Share of all time at standstill as the winding has it; with [`Load::standing`] that of samples that move slowly too.
     stands: f64,
     /// The angles that the motion sweeps; `None` where it has none between its samples.
-    pub(super) sweep: Option<Arc<Sweep>>,
+    sweep: Option<Arc<Sweep>>,
     /// This load with slow samples at standstill.
-    pub(super) stood: Stood,
+    stood: Stood<Load>,
     /// κ and time constant \[s\] that it was made for, where slow samples count as standstill.
-    pub(super) stands_at: Option<(f64, f64)>,
+    stands_at: Option<(f64, f64)>,
     /// Which sample follows which.
     steps: Arc<[Step]>,
     /// Where the gear is one of a family: the same on each piece of it.
@@ -289,6 +289,8 @@ impl Load {
             moved.torque[k] += inertia * motion.acceleration[k];
             moved.torque_rate[k] += inertia * motion.jerk[k];
         }
+        let with_inertia = |(k, torque): (usize, &f64)| torque + inertia * motion.acceleration[k];
+        moved.unsprung = motion.unsprung.as_deref().map(|all| all.iter().enumerate().map(with_inertia).collect());
         let mut load = Load::new(&moved, ripple);
         load.peak_torque = largest(&motion.torque);
         load.running_load = running_load(motion);
@@ -317,8 +319,42 @@ impl Load {
         Load { actuators: self.actuators.iter().map(folded).collect(), ..folded(self) }
     }
 
+    /// The load as the winding of a motor with the time constant `tau` \[s\] has it at `kappa = 2 p N`: samples at which the rotor
+    /// moves so slowly that one phase is hotter than the others count as standstill to a degree. Within a quarter of an octave of
+    /// κ, degrees are those of its lower end, where they are larger; an octave of κ and of `tau` for motions of many samples.
+    pub fn standing(&self, kappa: f64, tau: f64) -> &Load {
+        let Some(sweep) = self.sweep.as_deref() else { return self };
+        let Some((step, tau)) = sweep.place(kappa, tau) else { return self };
+        let make = |degrees: &[u8]| self.with_degrees(degrees, (begin_of(step), tau));
+        self.stood.of(self, (step, tau), || sweep.degrees(step, tau), make)
+    }
+
+    /// This load with samples at standstill as in another load of the same motion.
+    pub fn standing_as(&self, other: &Load) -> &Load {
+        other.stands_at.map_or(self, |(kappa, tau)| self.standing(kappa, tau))
+    }
+
+    /// True if degrees of standstill of samples that move were counted.
+    pub fn counts_slow_motion(&self) -> bool {
+        self.stands_at.is_some()
+    }
+
+    /// The κ from `low` to `high` at which the degrees of standstill change, in rising order.
+    pub(super) fn changes_between(&self, (low, high): (f64, f64), tau: f64) -> Vec<f64> {
+        let Some(sweep) = self.sweep.as_deref() else { return Vec::new() };
+        let mut changes = sweep.steps_between((low, high), tau);
+        let mut before = self.standing(low, tau);
+        changes.retain(|kappa| {
+            let here = self.standing(*kappa, tau);
+            let changes = !std::ptr::eq(before, here);
+            before = here;
+            changes
+        });
+        changes
+    }
+
     /// Load with these degrees of standstill of slow samples, computed for κ and a winding time constant \[s\].
-    pub(super) fn with_degrees(&self, degrees: &[u8], at: (f64, f64)) -> Load {
+    fn with_degrees(&self, degrees: &[u8], at: (f64, f64)) -> Load {
         let degree = |k: usize| f64::from(degrees[k]) / GRADES;
         let rest = |k: usize| self.rest[k] + (self.weight[k] - self.rest[k]).max(0.0) * degree(k);
         let rest: Arc<[f64]> = (0..degrees.len()).map(rest).collect();

@@ -6,6 +6,10 @@ pub const AT_20_DEGREES: f64 = 0.003_93;
 /// 20 °C \[K\].
 pub const TWENTY_DEGREES: f64 = 293.15;
 
+/// Least thermal time constant of a winding in the catalogue \[s\]. Heat that comes at once warms a winding by no more than
+/// the steady limit's rise where it is no more than the steady limit's heat over that time.
+pub(super) const LEAST_TIME_CONSTANT: f64 = 5.1;
+
 /// Temperature coefficient of copper's resistance \[1/K\], of the resistance at a reference temperature \[K\]: the
 /// resistance is a straight line in temperature, so that `α(T_0) = α_20/(1 + α_20 (T_0 − 20 °C))`. Only above 40 K or so;
 /// below it is held at what it is there.

@@ -241,6 +241,7 @@ impl Motion {
             between: motions.iter().map(|m| m.between).fold(Between::Nothing, worse),
             held: motions.iter().map(|m| m.held).fold(0.0, f64::max),
             cases: Some(Arc::new(cases)),
+            unsprung: None,
             looked: None,
             mixed: false,
         }
@@ -315,6 +316,7 @@ impl Motion {
             between: self.between,
             held: self.held,
             cases: None,
+            unsprung: self.unsprung.as_deref().map(|values| of(values).into()),
             looked: None,
             mixed: false,
         }

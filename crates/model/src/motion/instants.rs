@@ -338,6 +338,7 @@ fn emptied(motion: &Motion) -> Motion {
         between: motion.between,
         held: motion.held,
         cases: None,
+        unsprung: None,
         looked: None,
         mixed: false,
     }

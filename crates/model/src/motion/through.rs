@@ -104,6 +104,7 @@ impl Motion {
             torque_rate: of(&self.torque_rate),
             jerk: of(&self.jerk),
             position: self.position.as_deref().map(of),
+            unsprung: None,
             given: (0..self.given.len()).collect(),
             time,
             velocity,

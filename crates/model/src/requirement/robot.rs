@@ -286,11 +286,14 @@ impl Joint {
             // What the transmission loses follows the direction of the power that is left.
             let moved = passed.motion().with_spring(stiffness, rest_angle)?;
             let Via::One(way) = passed.via.clone() else { return None };
-            let (motion, passed) = Passed::new(&Transmission { way, numbers: passed.numbers }, &moved).ok()?;
+            let (mut motion, passed) = Passed::new(&Transmission { way, numbers: passed.numbers }, &moved).ok()?;
+            let unsprung = self.motion.without_spring();
+            motion.unsprung = (unsprung.len() == motion.len()).then(|| unsprung.into());
             return Some(Joint { motion: motion.into(), passed: Some(passed.into()), ..self.clone() });
         }
         let pull = self.pull()?;
         let mut motion = Motion::clone(&self.motion);
+        motion.unsprung = Some(self.motion.without_spring().into());
         for k in 0..motion.len() {
             let ([q, per], [speed, per_rate]) = (pull.torque(k), pull.rate(k));
             motion.torque[k] += stiffness * (q - rest_angle * per);

@@ -140,8 +140,8 @@ pub(super) fn solve(program: &RatioProgram, map: &GearMap) -> Outcome {
 /// Solves a program at ratios between which the degree changes to which slow samples are at standstill.
 ///
 /// The degree falls as the ratio rises. Whatever the limits forbid with the degrees of the largest ratio they forbid, whatever they
-/// allow with those of the smallest they allow. Where both come to the same that is the answer, otherwise the range is halved, until
-/// the degrees are the same all over it.
+/// allow with those of the smallest they allow. Where both come to the same that is the answer. Else pieces of constant degrees are
+/// solved one by one where the two differ, and what is below and above them at once.
 pub(super) fn solve_standing(program: &RatioProgram) -> Outcome {
     let groups = groups(program);
     let (min, max) = program.range;
@@ -154,9 +154,10 @@ pub(super) fn solve_standing(program: &RatioProgram) -> Outcome {
         ends.push(only);
     }
     let mut solved = Vec::new();
-    // Spans in rising order, each with why nothing is possible in it, where that is known with less standstill.
-    let mut open: Vec<(usize, usize, Option<Infeasible>)> = vec![(0, ends.len() - 1, None)];
-    while let Some((first, last, ruled_out)) = open.pop() {
+    // Spans, the last one first, each with why nothing is possible in it, where that is known with less standstill, and true where
+    // standstill does not matter.
+    let mut open: Vec<(usize, usize, Option<Infeasible>, bool)> = vec![(0, ends.len() - 1, None, false)];
+    while let Some((first, last, ruled_out, is_alike)) = open.pop() {
         if let Some(why) = ruled_out.as_ref().filter(|_| work::is_spent()) {
             let span = Span { from: ends[first], to: ends[last], low: None, high: None };
             let outcome = Err(Refusal::Infeasible(why.clone()));
@@ -189,28 +190,38 @@ pub(super) fn solve_standing(program: &RatioProgram) -> Outcome {
             }
             continue;
         }
-        let is_settled = last - first == 1
+        let is_settled = is_alike
+            || last - first == 1
             || match &outcome {
                 // Every ratio that is allowed is beyond the last change.
                 Ok(optimum) => optimum.windows.iter().all(|window| window.min >= ends[last - 1]),
                 Err(Refusal::Infeasible(why)) => !matches!(why, Infeasible::Nowhere { .. }),
                 Err(_) => false,
             }
-            || !program.limits.iter().any(|limited| limited.asked.depends_on_standing())
-            || comes_to_the_same(&at(from).0, &outcome);
-        if is_settled && first == 0 && last == ends.len() - 1 {
-            return outcome;
-        }
-        if is_settled {
+            || !program.limits.iter().any(|limited| limited.asked.depends_on_standing());
+        let safe = (!is_settled).then(|| at(from).0);
+        if safe.as_ref().is_none_or(|safe| comes_to_the_same(safe, &outcome)) {
+            if first == 0 && last == ends.len() - 1 {
+                return outcome;
+            }
             solved.push(Solved { outcome, span, bound, piece: (from, to) });
-        } else {
-            let middle = first + (last - first) / 2;
-            let why = match outcome {
-                Err(Refusal::Infeasible(why)) => Some(why),
-                _ => None,
-            };
-            open.extend([(middle, last, why.clone()), (first, middle, why)]);
+            continue;
         }
+        let (below, above) = match (&outcome, &safe) {
+            (Ok(outcome), Some(Ok(safe))) => difference(&outcome.windows, &safe.windows),
+            (Ok(outcome), _) => difference(&outcome.windows, &[]),
+            _ => (from, to),
+        };
+        // The pieces in which they differ, and the others on both sides.
+        let low = ends[first..last].partition_point(|end| *end <= below * (1.0 + NEXT)).max(1) - 1 + first;
+        let high = (ends[first..=last].partition_point(|end| *end < above * (1.0 - NEXT)) + first).clamp(low + 1, last);
+        let why = match outcome {
+            Err(Refusal::Infeasible(why)) => Some(why),
+            _ => None,
+        };
+        open.extend((high < last).then(|| (high, last, why.clone(), true)));
+        open.extend((low..high).rev().map(|k| (k, k + 1, why.clone(), false)));
+        open.extend((first < low).then_some((first, low, why, true)));
     }
     combined(program, &groups, solved, Vec::new(), &BY_STANDSTILL)
 }
@@ -247,6 +258,22 @@ fn least_of_pieces(
         }
         Some(best.1)
     })
+}
+
+/// The ratios between which two lists of windows differ.
+fn difference(a: &[Window], b: &[Window]) -> (f64, f64) {
+    let near = |x: f64, y: f64| (x - y).abs() <= 1e-12 * x.abs().max(y.abs());
+    let ends = |windows: &[Window]| windows.iter().flat_map(|w| [w.min, w.max]).collect::<Vec<f64>>();
+    let (a, b) = (ends(a), ends(b));
+    let lone = |of: &[f64], other: &[f64]| -> Vec<f64> {
+        of.iter().copied().filter(|end| !other.iter().any(|o| near(*end, *o))).collect()
+    };
+    let lone: Vec<f64> = [lone(&a, &b), lone(&b, &a)].concat();
+    match lone.is_empty() {
+        // The same windows, with another optimum.
+        true => (0.0, f64::INFINITY),
+        false => lone.into_iter().fold((f64::INFINITY, 0.0), |(low, high), end| (low.min(end), high.max(end))),
+    }
 }
 
 /// True if two programs have the same feasible ratios and optimum.

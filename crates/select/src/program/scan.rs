@@ -14,6 +14,8 @@ pub(super) const CLEARLY: f64 = 1e-7;
 
 /// Points of the first grid, evenly spaced in ln N.
 const POINTS: usize = 1000;
+/// Range of ln N from which the grid has all of them.
+const WIDE: f64 = 2.0;
 /// The same where effects have to be evaluated at each of them.
 const EVALUATED_POINTS: usize = 300;
 /// The same where a weakened field is evaluated at each of them: the branch and bound sees what lies between.
@@ -118,7 +120,7 @@ fn walks(program: &RatioProgram, grid: &[f64], cheap: &[f64]) -> Vec<Walk> {
 pub(super) fn scan(program: &RatioProgram, goal: &Goal, low: &End, high: &End) -> Found {
     let (min, max) = (low.ratio, high.ratio);
     let excess = |n: f64| worst(program, n).0;
-    let count = count(program);
+    let count = count(program, (min, max));
     let grid = if max / min - 1.0 < 1e-12 { vec![min] } else { gearwise_model::numerics::grid::grid(min, max, count) };
     let without_walks = program.without_walks().filter(|_| !program.is_evaluated());
     let cheap: Option<Vec<f64>> = without_walks.map(|cheap| grid.iter().map(|n| worst(&cheap, *n).0).collect());
@@ -275,14 +277,18 @@ fn is_proved_after(program: &RatioProgram) -> bool {
     program.is_evaluated() && !program.has_evaluated_effects()
 }
 
-/// How many points the grid has: evaluating effects at each takes its time.
-fn count(program: &RatioProgram) -> usize {
+/// How many points the grid from one ratio to another has: evaluating effects at each takes its time. A narrow range needs fewer.
+fn count(program: &RatioProgram, (min, max): (f64, f64)) -> usize {
+    let of_wide = |points: usize| {
+        let share = (max / min).ln() / WIDE;
+        if share < 1.0 { ((points as f64 * share).ceil() as usize).max(SPENT_POINTS) } else { points }
+    };
     match program.is_evaluated() {
         _ if work::is_spent() => SPENT_POINTS,
         true if is_proved_after(program) => WEAKENED_POINTS,
         true => EVALUATED_POINTS,
-        false if program.saturates() => SATURATED_POINTS,
-        false => POINTS,
+        false if program.saturates() => of_wide(SATURATED_POINTS),
+        false => of_wide(POINTS),
     }
 }
 
@@ -318,7 +324,11 @@ fn boundary(program: &RatioProgram, outside: f64, inside: f64) -> (f64, Bind) {
 
 /// The best ratio over all windows.
 fn best_of(program: &RatioProgram, goal: &Goal, windows: &[Window]) -> Option<(f64, f64)> {
-    let count = if program.saturates() && !program.is_evaluated() { SATURATED_VALUES } else { count(program) };
+    let range = windows.iter().fold((f64::INFINITY, 0.0_f64), |(min, max), w| (min.min(w.min), max.max(w.max)));
+    let count = match count(program, range) {
+        points if program.saturates() && !program.is_evaluated() => points.min(SATURATED_VALUES),
+        points => points,
+    };
     least_by(&|n| goal.value(n), &pieces(program, windows), count, steps(program))
 }
 

@@ -2,8 +2,9 @@
 
 use super::limit::*;
 use crate::actuator::candidate::Candidate;
+use crate::actuator::stretch;
+use crate::actuator::thermal::{self, LEAST_TIME_CONSTANT};
 use crate::actuator::thermal_motion::TwoNode;
-use crate::actuator::{stretch, thermal};
 use crate::catalog::convention::Commutation;
 
 /// Nothing says how much heat the motor can carry.
@@ -103,10 +104,6 @@ fn rise_at_standstill(candidate: &Candidate, node: &TwoNode, hottest: f64, ratio
 /// A stretch above the steady limit shorter than this \[s\] is averaged by the winding: the least thermal time constant
 /// of a winding in the catalogue is 5.1 s.
 pub(super) const SHORT_STRETCH: f64 = 1.0;
-
-/// Least thermal time constant of a winding in the catalogue \[s\]. Heat that comes at once warms a winding by no more than
-/// the steady limit's rise where it is no more than the steady limit's heat over that time.
-pub(in crate::actuator) const LEAST_TIME_CONSTANT: f64 = 5.1;
 
 /// The same as a share of the winding's own time constant, where that is known.
 const SHORT_SHARE: f64 = 0.2;

@@ -21,7 +21,6 @@ mod transmission;
 pub use super::candidate::{ASSUMED, Candidate, hottest};
 pub use asked::UNBOUNDED;
 pub use gear::{GEAR_LIFE, backdriving_torque};
-pub(super) use heat::LEAST_TIME_CONSTANT;
 pub use limit::{Asked, Check, Class, Demand, Depends, Judge, Key, Limit, MONEY, Of, Remark, Verdict};
 pub use module::allows_spring;
 pub use motor::DRIVE_CONTINUOUS_CURRENT;

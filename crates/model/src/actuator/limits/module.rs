@@ -2,11 +2,12 @@
 //!
 //! What it has to give at a sample is `T_k = τ_k + J_o α_k`; friction and gear loss are in the ratings already.
 
-use super::heat::{Above, LEAST_TIME_CONSTANT, SHORT_STRETCH, above};
+use super::heat::{Above, SHORT_STRETCH, above};
 use super::limit::*;
 use crate::actuator::candidate::Candidate;
 use crate::actuator::shaft::Feature;
 use crate::actuator::stretch;
+use crate::actuator::thermal::LEAST_TIME_CONSTANT;
 use crate::catalog::module::overload::Piece;
 use crate::catalog::module::{BUILT_IN, Inside, Module, on_curve};
 use crate::requirement::Spring;
