@@ -45,7 +45,7 @@ const FIRST: i32 = -20;
 /// The last step of κ that is looked at.
 const LAST: i32 = 400;
 /// Steps of κ without any degree after which there is none.
-const IDLE: i32 = 12;
+const IDLE: i32 = 48;
 
 /// A complex number.
 #[derive(Debug, Clone, Copy, Default)]
@@ -765,6 +765,29 @@ mod tests {
         }
         let mean = sum / f64::from(cases);
         assert!(least > -0.26 && most < 0.35 && mean.abs() < 0.04, "{least} to {most}, on average {mean}");
+    }
+
+    /// Steps of an index table, forth and back, whose holds drift a little: the holds count whatever κ is, though the steps together
+    /// cancel one another over several octaves of κ.
+    #[test]
+    fn holds_of_an_index_table_count_as_they_do_at_rest() {
+        for steps in [8, 16, 24] {
+            let period = 0.5 * 2.0 * f64::from(steps);
+            let way = |t: f64| {
+                let (k, s) = ((t / 0.5).floor(), (t / 0.5).fract());
+                let hop = ((s - 0.8) / 0.2).clamp(0.0, 1.0);
+                let up = k + hop * hop * (3.0 - 2.0 * hop);
+                let turn = f64::from(steps) - (up - f64::from(steps)).abs();
+                0.785 * turn + 1e-6 * (std::f64::consts::TAU * t / period).sin()
+            };
+            let moved = motion(period, 1600, way, Course::Periodic(period));
+            for kappa in [100.0, 200.0, 777.0] {
+                let sweep = Sweep::new(&moved);
+                let degrees = sweep.degrees((4.0 * f64::log2(kappa)).floor() as i32, 20.0);
+                let held: f64 = degrees.iter().zip(&moved.weight).map(|(d, w)| w * f64::from(*d) / GRADES).sum();
+                assert!(held > 0.7, "{steps} steps, κ {kappa}: {held}");
+            }
+        }
     }
 
     #[test]
