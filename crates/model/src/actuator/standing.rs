@@ -5,12 +5,12 @@
 //! the *degree* of standstill is that cosine, 1 for a rotor at rest, `1/√(1 + (2 ω_e τ)²)` in a steady crawl, `J_0(κ A)` on average
 //! for a quick sway of the amplitude A with constant torque (`κ = 2 p N`). The square of the load torque stands for `i²`.
 //!
-//! Where the rotor sweeps a large angle without pause its contribution averages out. Such passages end a *stay*; stays add up as
-//! if all of them heated the same phase, because their distance in turns depends on the last digit of the ratio.
+//! Passages in which the rotor sweeps a large angle at an even speed average out. The intervals between them are *stays*. The
+//! excesses of stays are added as if every stay heated the same phase: which phase it heats depends on the last digit of the ratio.
 //!
-//! What of the excess is small is neglected, so that ordinary motion has no degree: stays that on average have less than half of
-//! the excess at standstill, in motions where all moving samples have less than a fifth of it. Both fade in, up to three quarters
-//! and to 0.45. Thus at most a quarter of the excess at standstill is left out.
+//! Small excesses are neglected, so that ordinary motion has no degree. A stay counts if its mean excess is at least half of that at
+//! standstill, and in full from three quarters. All stays count if the moving samples together have at least a fifth of it, and in
+//! full from 0.45. `docs/model.md` gives the error in numbers.
 //!
 //! Degrees are evaluated at four values of κ to an octave, made not to rise with κ, and rounded up to 1/64.
 
@@ -18,15 +18,17 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
+use nalgebra::Complex;
+
 use crate::requirement::{Course, Motion};
 
 /// Degrees are multiples of one over this.
 pub(super) const GRADES: f64 = 64.0;
-/// Share of the excess at standstill that all moving samples have, from which it counts, and from which it counts in full.
+/// Excess of all moving samples, as a share of that at standstill, from which it counts and from which it counts in full.
 const OF_MOTION: [f64; 2] = [0.2, 0.45];
-/// The same on average over one stay.
+/// Mean excess of one stay, as a share of that at standstill, from which it counts and from which it counts in full.
 const OF_STAY: [f64; 2] = [0.5, 0.75];
-/// Share of the motion's heat, within a time constant, of a stay that counts by itself.
+/// Excess of a stay, as a share of the motion's heat within a time constant, from which it counts by itself, and in full.
 const SHARE: [f64; 2] = [0.01, 0.03];
 /// Twice the electrical angle \[rad\] swept without pause, and within a time constant, from which it averages out.
 const SWEPT: f64 = 16.0;
@@ -34,7 +36,7 @@ const SWEPT: f64 = 16.0;
 const STEADY: f64 = 0.1;
 /// Twice the electrical angle \[rad\] of a step of the integration.
 const STEP: f64 = 0.7;
-/// The same of an interval of a motion from which it averages out, wherever the rotor turns round in it.
+/// Twice the electrical angle \[rad\] swept in one interval from which it averages out, even if the rotor turns back in it.
 const LARGE: f64 = 150.0;
 /// Shortest operating point \[s\]: a shorter one counts as if it went on at its speed.
 const SHORTEST: f64 = 0.1;
@@ -46,26 +48,6 @@ const FIRST: i32 = -20;
 const LAST: i32 = 400;
 /// Steps of κ without any degree after which there is none.
 const IDLE: i32 = 48;
-
-/// A complex number.
-#[derive(Debug, Clone, Copy, Default)]
-struct Complex(f64, f64);
-
-impl Complex {
-    fn of_angle(size: f64, angle: f64) -> Complex {
-        let (sin, cos) = angle.sin_cos();
-        Complex(size * cos, size * sin)
-    }
-
-    fn size(self) -> f64 {
-        self.0.hypot(self.1)
-    }
-
-    /// Towards another by a share of the way.
-    fn towards(self, other: Complex, share: f64) -> Complex {
-        Complex(self.0 + share * (other.0 - self.0), self.1 + share * (other.1 - self.1))
-    }
-}
 
 /// One course of a motion: positions in time, or operating points.
 #[derive(Debug, Clone)]
@@ -120,9 +102,15 @@ pub(super) struct Sweep {
     tables: Mutex<BTreeMap<u64, Arc<OnceLock<Table>>>>,
 }
 
-/// From zero at the first number to one at the second.
+/// Linear ramp from zero at the first number to one at the second.
 fn ramp(x: f64, [from, to]: [f64; 2]) -> f64 {
     ((x - from) / (to - from)).clamp(0.0, 1.0)
+}
+
+/// Complex number of a size and an angle \[rad\].
+fn of_angle(size: f64, angle: f64) -> Complex<f64> {
+    let (sin, cos) = angle.sin_cos();
+    Complex::new(size * cos, size * sin)
 }
 
 /// Excess at the end of a turn at a steady speed from rest, relative to that at standstill, with `2 ω_e τ` and the duration over τ.
@@ -199,16 +187,17 @@ impl Run {
         self.rests.len()
     }
 
-    /// How long it lasts \[s\].
+    /// Duration \[s\].
     fn lasts(&self) -> f64 {
         self.time.last().copied().unwrap_or(0.0)
     }
 
+    /// Duration of an interval \[s\].
     fn duration(&self, i: usize) -> f64 {
         self.time[i + 1] - self.time[i]
     }
 
-    /// Mean of the squared torque over an interval, in which the torque is a straight line.
+    /// Mean square \[N²·m²\] of the torque over an interval, in which it is linear.
     fn square(&self, i: usize) -> f64 {
         let (a, b) = (self.torque[i], self.torque[i + 1]);
         (a * a + a * b + b * b) / 3.0
@@ -220,7 +209,7 @@ impl Run {
         kappa * way.max(self.duration(i) * self.velocity[i].abs().max(self.velocity[i + 1].abs()))
     }
 
-    /// For each interval, true if the angle that is swept in it and about it averages out.
+    /// True for each interval that belongs to a passage which averages out.
     fn averages_out(&self, kappa: f64, tau: f64) -> Vec<bool> {
         let count = self.count();
         let is_even = |i: usize| {
@@ -246,8 +235,8 @@ impl Run {
         out
     }
 
-    /// `z` at the end of an interval that begins with `z` at a position \[rad\], and the integral of its size \[over time\].
-    fn stays(&self, i: usize, from: f64, mut z: Complex, (kappa, tau): (f64, f64)) -> (Complex, f64) {
+    /// Integrate `z` over an interval from a position \[rad\]: `z` at its end, and the integral of `|z|` over time.
+    fn integrate(&self, i: usize, from: f64, mut z: Complex<f64>, (kappa, tau): (f64, f64)) -> (Complex<f64>, f64) {
         let (h, v) = (self.duration(i), [self.velocity[i], self.velocity[i + 1]]);
         if h <= 0.0 {
             return (z, 0.0);
@@ -256,29 +245,29 @@ impl Run {
         let steps = (self.swept(i, kappa) / STEP).max(4.0 * h / tau).ceil().clamp(1.0, LARGE / STEP);
         let part = h / steps;
         let share = -(-part / tau).exp_m1();
-        let (mut size, mut integral) = (z.size(), 0.0);
+        let (mut size, mut integral) = (z.norm(), 0.0);
         for step in 0..steps as usize {
             let s = (step as f64 + 0.5) / steps;
             let torque = self.torque[i] + s * (self.torque[i + 1] - self.torque[i]);
             // Cubic through positions and speeds.
             let (v0, v1) = (v[0] * h, v[1] * h);
             let cubic = s * v0 + s * s * (3.0 * way - 2.0 * v0 - v1) + s * s * s * (v0 + v1 - 2.0 * way);
-            z = z.towards(Complex::of_angle(torque * torque, kappa * (from + cubic)), share);
-            let before = std::mem::replace(&mut size, z.size());
+            z += (of_angle(torque * torque, kappa * (from + cubic)) - z) * share;
+            let before = std::mem::replace(&mut size, z.norm());
             integral += 0.5 * part * (before + size);
         }
         (z, integral)
     }
 
-    /// What a passage that averages out, of which a sample is the start, leaves in `z`, and its end takes away: the first term of its
-    /// integral by parts. Nothing where the rotor is slow there.
-    fn edge(&self, i: usize, position: f64, (kappa, tau): (f64, f64)) -> Complex {
+    /// Contribution to `z` of the end of a passage that averages out, at a sample: the first term of the integral by parts. A
+    /// passage that begins there takes it away. Zero where the rotor is slow.
+    fn edge(&self, i: usize, position: f64, (kappa, tau): (f64, f64)) -> Complex<f64> {
         let (torque, turns) = (self.torque[i], kappa * self.velocity[i]);
         if turns.abs() * tau < SWEPT {
-            return Complex::default();
+            return Complex::ZERO;
         }
-        let Complex(cos, sin) = Complex::of_angle(torque * torque / (turns * tau), kappa * position);
-        Complex(sin, -cos)
+        // Divided by j.
+        of_angle(torque * torque / (turns * tau), kappa * position) * -Complex::I
     }
 
     /// The parts of a run, of a winding with a time constant \[s\], in order.
@@ -289,17 +278,15 @@ impl Run {
         let first_pass = passes.iter().position(|passes| *passes);
         let first = if is_periodic { first_pass.unwrap_or(0) } else { 0 };
         let place = |k: usize| ((first + k) % count, if first + k < count { 0.0 } else { way });
-        let mut z = Complex::default();
+        let mut z = Complex::ZERO;
         if is_periodic && first_pass.is_none() {
             // The state that repeats, turned by the way of a period.
             for i in 0..count {
-                z = self.stays(i, self.position[i], z, at).0;
+                z = self.integrate(i, self.position[i], z, at).0;
             }
             let decay = (-self.lasts() / tau).exp();
             let (sin, cos) = (kappa * way).sin_cos();
-            let by = Complex(cos - decay, sin);
-            let square = by.0 * by.0 + by.1 * by.1;
-            z = Complex((z.0 * by.0 + z.1 * by.1) / square, (z.1 * by.0 - z.0 * by.1) / square);
+            z /= Complex::new(cos - decay, sin);
         }
         let mut parts: Vec<Part> = Vec::new();
         let (mut begins, mut stay, mut was_passing) = (true, 0, false);
@@ -316,19 +303,17 @@ impl Run {
                     z = self.edge(i, self.position[i] + turns, at);
                     (stay, begins, was_passing) = (stay + 1, true, false);
                 }
-                let before = if begins && first_pass.is_some() { 0.0 } else { z.size() };
+                let before = if begins && first_pass.is_some() { 0.0 } else { z.norm() };
                 begins = false;
-                let (end, integral) = self.stays(i, self.position[i] + turns, z, at);
+                let (end, integral) = self.integrate(i, self.position[i] + turns, z, at);
                 z = end;
                 let next = place(k + 1).0;
                 let ends = (k + 1 < count || is_periodic) && passes[next];
-                let left = match ends {
-                    true => {
-                        let Complex(x, y) = self.edge(i + 1, self.position[i + 1] + turns, at);
-                        Complex(z.0 - x, z.1 - y).size()
-                    }
-                    false => z.size(),
+                let edge = match ends {
+                    true => self.edge(i + 1, self.position[i + 1] + turns, at),
+                    false => Complex::ZERO,
                 };
+                let left = (z - edge).norm();
                 part.stay = Some(stay);
                 part.excess = tau * (left - before) + integral;
                 part.resting = if self.rests[i] { heat } else { 0.0 };
@@ -370,7 +355,7 @@ impl Run {
         peaks.into()
     }
 
-    /// Degree of every sample at a κ, of a winding with a time constant \[s\]; that of what is at rest is left out.
+    /// Degree of every moving sample at a κ, of a winding with a time constant \[s\].
     fn degrees(&self, kappa: f64, tau: f64) -> Vec<f64> {
         if let Course::Points(_) = self.course {
             let of_point = |(speed, lasts): (&f64, &f64)| {
@@ -450,11 +435,12 @@ impl Sweep {
         of(table.get_or_init(|| self.table(tau)))
     }
 
+    /// Compute the degrees of every step of κ, which do not rise with κ.
     fn table(&self, tau: f64) -> Table {
         let mut table: Vec<Vec<u8>> = Vec::new();
         let mut idle = 0;
         for step in FIRST..LAST {
-            let own = self.at(begin_of(step), tau);
+            let own = self.degrees_at(begin_of(step), tau);
             idle = if own.iter().any(|degree| *degree > 0) { 0 } else { idle + 1 };
             table.push(own);
             if idle >= IDLE {
@@ -469,8 +455,8 @@ impl Sweep {
         table.into_iter().step_by(self.stride() as usize).map(Arc::from).collect()
     }
 
-    /// Degree of every sample at one κ, in 64ths.
-    fn at(&self, kappa: f64, tau: f64) -> Vec<u8> {
+    /// Degree of every moving sample at one κ, in 64ths.
+    fn degrees_at(&self, kappa: f64, tau: f64) -> Vec<u8> {
         let mut all = vec![0; self.samples];
         for run in &self.runs {
             for (degree, of) in all[run.samples.clone()].iter_mut().zip(run.degrees(kappa, tau)) {
@@ -503,7 +489,7 @@ impl Sweep {
         ends.take_while(|kappa| *kappa <= high.min(beyond)).collect()
     }
 
-    /// Time constant \[s\] for which the degrees are computed: with a step as κ has, and the smaller one is on the safe side.
+    /// Time constant \[s\] for which degrees are computed, rounded down to a step as wide as those of κ: a shorter one has larger degrees.
     fn rounded(&self, tau: f64) -> f64 {
         let steps = 4.0 / f64::from(self.stride());
         ((steps * tau.log2() + 1e-9).floor() / steps).exp2()
@@ -606,7 +592,7 @@ mod tests {
     fn excess(motion: &Motion, kappa: f64, tau: f64) -> (f64, f64, f64) {
         let run = Run::new(motion, 0..motion.len(), motion.course);
         let (count, n) = (run.count(), motion.len());
-        let degrees = Sweep::new(motion).at(kappa, tau);
+        let degrees = Sweep::new(motion).degrees_at(kappa, tau);
         let degree = |k: usize| {
             let rest = if motion.weight[k] > 0.0 { motion.dwell[k] / motion.weight[k] } else { 0.0 };
             rest + (1.0 - rest) * f64::from(degrees[k]) / GRADES
@@ -651,7 +637,7 @@ mod tests {
         driven(period, count, position, |_| 1.0, course)
     }
 
-    /// The same with a torque.
+    /// A motion of samples at equal distances with a torque, from its positions.
     fn driven(
         period: f64,
         count: usize,
@@ -682,7 +668,7 @@ mod tests {
             let (kappa, tau) = (140.0, 20.0);
             let speed = turned / kappa / tau;
             let creep = motion(lasts, 400, |t| speed * t, Course::Once(lasts));
-            let degrees = Sweep::new(&creep).at(kappa, tau);
+            let degrees = Sweep::new(&creep).degrees_at(kappa, tau);
             let lag = 1.0 / turned.hypot(1.0);
             // From cold the angle has to be swept first.
             for degree in &degrees[if turned > 0.2 { degrees.len() * 3 / 4 } else { 0 }..] {
@@ -734,8 +720,8 @@ mod tests {
         }
     }
 
-    /// Random motions of holds, drifts, sways and moves, with torque that peaks anywhere: no more than a quarter of the excess at
-    /// standstill is left out, and what is counted too much is that stays may heat the same phase.
+    /// Random motions of holds, drifts, sways and moves, with torque that peaks anywhere, against the integration over the angle. The
+    /// excess is too large where stays heat different phases.
     #[test]
     fn at_most_a_quarter_of_the_excess_at_standstill_is_left_out() {
         let mut generator = Pcg64::seed_from_u64(77);
@@ -794,7 +780,7 @@ mod tests {
     fn turning_points_are_no_standstill_and_a_small_shake_is() {
         for (amplitude, stands) in [(0.5, false), (0.05, false), (1e-4, true)] {
             let swing = motion(1.0, 400, |t| amplitude * (std::f64::consts::TAU * t).sin(), Course::Periodic(1.0));
-            let degrees = Sweep::new(&swing).at(280.0, 10.0);
+            let degrees = Sweep::new(&swing).degrees_at(280.0, 10.0);
             assert!(degrees.iter().all(|d| (*d > 60) == stands && (*d > 3) == stands), "{amplitude}: {degrees:?}");
         }
     }
@@ -805,8 +791,8 @@ mod tests {
         for k in 0..800 {
             let speed = 1e-9 * 1.03_f64.powi(k);
             let point = |duration| Point { torque: 1.0, velocity: speed, duration, ..Point::default() };
-            let held = Sweep::new(&Motion::from_points(&[point(Some(3600.0))])).at(140.0, 20.0)[0];
-            let untimed = Sweep::new(&Motion::from_points(&[point(None)])).at(140.0, 20.0)[0];
+            let held = Sweep::new(&Motion::from_points(&[point(Some(3600.0))])).degrees_at(140.0, 20.0)[0];
+            let untimed = Sweep::new(&Motion::from_points(&[point(None)])).degrees_at(140.0, 20.0)[0];
             assert_eq!(held, untimed, "at {speed} rad/s");
             let here = f64::from(held);
             assert!(here <= before && before - here <= 0.05 * GRADES, "at {speed} rad/s: {before} to {here}");
@@ -821,7 +807,7 @@ mod tests {
         let degree = |speed: f64| {
             let point = Point { torque: 1.0, velocity: speed, duration: Some(0.09), ..Point::default() };
             let sweep = Sweep::new(&Motion::from_points(&[point]));
-            let degree = sweep.at(140.0, 20.0)[0];
+            let degree = sweep.degrees_at(140.0, 20.0)[0];
             assert!(degree == 0 || sweep.counts_below(20.0) >= 140.0, "at {speed} rad/s");
             degree
         };
@@ -850,7 +836,8 @@ mod tests {
                 let kappa = begin_of(step);
                 let here = sweep.degrees(step, tau);
                 assert!(here.iter().zip(&*before).all(|(here, before)| here <= before), "period {period}, κ {kappa}");
-                let missed = here.iter().zip(sweep.at(kappa, tau)).map(|(here, own)| own.saturating_sub(*here)).max();
+                let missed =
+                    here.iter().zip(sweep.degrees_at(kappa, tau)).map(|(here, own)| own.saturating_sub(*here)).max();
                 assert_eq!(missed, Some(0), "κ {kappa}");
                 let any = here.iter().any(|d| *d > 0);
                 assert!(!any || kappa < sweep.counts_below(tau), "κ {kappa} beyond {}", sweep.counts_below(tau));

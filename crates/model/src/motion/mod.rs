@@ -49,8 +49,8 @@ pub struct Motion {
     pub torque_rate: Vec<f64>,
     /// Jerk \[rad/s³\], j.
     pub jerk: Vec<f64>,
-    /// The load torque \[N·m\] that a spring in it leaves out, where there is one: standstill is weighed with it, so that it does not
-    /// depend on the spring.
+    /// Load torque \[N·m\] before a spring was added, where there is one. Standstill is weighted by it, and so does not depend on the
+    /// spring.
     pub unsprung: Option<Arc<[f64]>>,
     /// Share of the time that each sample stands for; sums to one. By the trapezoid rule, and by Simpson's where the
     /// way between two given samples is divided.
@@ -255,7 +255,7 @@ impl Motion {
         Some(moved)
     }
 
-    /// The load torque \[N·m\] without the part of a spring.
+    /// Load torque \[N·m\] without the spring's part.
     pub fn without_spring(&self) -> &[f64] {
         self.unsprung.as_deref().unwrap_or(&self.torque)
     }

@@ -260,9 +260,13 @@ fn least_of_pieces(
     })
 }
 
+/// True if two numbers differ by rounding alone.
+fn near(x: f64, y: f64) -> bool {
+    (x - y).abs() <= 1e-12 * x.abs().max(y.abs())
+}
+
 /// The ratios between which two lists of windows differ.
 fn difference(a: &[Window], b: &[Window]) -> (f64, f64) {
-    let near = |x: f64, y: f64| (x - y).abs() <= 1e-12 * x.abs().max(y.abs());
     let ends = |windows: &[Window]| windows.iter().flat_map(|w| [w.min, w.max]).collect::<Vec<f64>>();
     let (a, b) = (ends(a), ends(b));
     let lone = |of: &[f64], other: &[f64]| -> Vec<f64> {
@@ -278,7 +282,6 @@ fn difference(a: &[Window], b: &[Window]) -> (f64, f64) {
 
 /// True if two programs have the same feasible ratios and optimum.
 fn comes_to_the_same(a: &Outcome, b: &Outcome) -> bool {
-    let near = |x: f64, y: f64| (x - y).abs() <= 1e-12 * x.abs().max(y.abs());
     match (a, b) {
         (Ok(a), Ok(b)) => {
             let pairs = a.windows.iter().zip(&b.windows);
