@@ -18,7 +18,9 @@ use gearwise_model::actuator::gearing::{complete, described};
 use gearwise_model::actuator::limits::{Candidate, hottest};
 use gearwise_model::actuator::{Actuator, Load};
 use gearwise_model::catalog::{Catalog, Gear, Motor, matches_pattern};
-use gearwise_model::requirement::{EfficiencyCovers, GearModel, Joint, RatioChoice, Robot, backdrive_efficiency};
+use gearwise_model::requirement::{
+    EfficiencyCovers, GearModel, Joint, Motion, RatioChoice, Robot, backdrive_efficiency,
+};
 
 /// A motor at a joint, with a gear of the catalogue or with a ratio that is still free.
 #[derive(Debug, Clone, Copy)]
@@ -175,7 +177,9 @@ pub fn load_through(joint: &Joint, gear: Option<&Gear>) -> Load {
 
 /// The load of a joint with an inertia at the output \[kg·m²\] that the gear's efficiency covers.
 pub(crate) fn load_covering(joint: &Joint, covered: Option<f64>) -> Load {
-    let make = || Load::with_inertia(&joint.motion, joint.ripple(), covered.unwrap_or(0.0));
+    let sprung = (joint.limits.spring.is_some()).then(|| Motion { sprung: true, ..Motion::clone(&joint.motion) });
+    let motion = sprung.as_ref().unwrap_or(&joint.motion);
+    let make = || Load::with_inertia(motion, joint.ripple(), covered.unwrap_or(0.0));
     let is_plain = covered.is_none() && joint.ripple().is_none();
     let load = if is_plain && joint.motion.len() > MANY { of_large(&joint.motion, make) } else { make() };
     match &joint.gear_map {

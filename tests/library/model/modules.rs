@@ -234,8 +234,8 @@ fn the_limits_of_a_module_are_those_of_the_raw_samples() {
             ("armature [kg*m^2]", inertia.to_string()),
             ("armature_side", "output".to_string()),
             ("mass [g]", "500".to_string()),
-            // So many that nothing is slow.
-            ("pole_pairs", "80".to_string()),
+            // So many that no turning point counts as standstill.
+            ("pole_pairs", "2000".to_string()),
         ];
         let mut robot = robot(seed, 12.0, 9.0);
         robot.bus.voltage = volt;

@@ -31,7 +31,7 @@ struct Case {
     robot: Robot,
     raw: Samples,
     period: f64,
-    /// The motion as the library has it, for the degrees to which slow samples are at rest.
+    /// The motion as the library has it, weighed as with a spring, for the degrees to which slow samples are at rest.
     load: Load,
 }
 
@@ -259,7 +259,8 @@ fn draw(seed: u64, kind: Kind) -> Case {
         },
         _ => Objective::single(single[within(0.0, 5.0) as usize]),
     };
-    let load = Load::new(&robot.joints[0].motion, None);
+    let motion = Motion { sprung: true, ..Motion::clone(&robot.joints[0].motion) };
+    let load = Load::new(&motion, None);
     let mut case = Case { motor, robot, raw, period, load };
     // Every third case has a given ratio, every third a given rest angle: plane scans see those densely.
     let n = matched * around(0.6, 1.6);
@@ -527,7 +528,8 @@ fn a_spring_cancels_gravity_on_paper() {
     let mut robot = common::robot(Motion::from_samples(samples.clone(), Course::Periodic(period)), GearModel::IDEAL);
     robot.joints[0].ratio = RatioChoice::Continuous { min: 10.0, max: 10.0 };
     robot.joints[0].limits.spring = Some(Spring { stiffness: [0.0, 30.0], rest_angle: [-1.0, 1.0], ..common::SPRING });
-    let load = Load::new(&robot.joints[0].motion, None);
+    let motion = Motion { sprung: true, ..Motion::clone(&robot.joints[0].motion) };
+    let load = Load::new(&motion, None);
     let case = Case { motor, robot, raw: samples, period, load };
     solved(&case, |design| {
         let design = design.unwrap();

@@ -289,8 +289,6 @@ impl Load {
             moved.torque[k] += inertia * motion.acceleration[k];
             moved.torque_rate[k] += inertia * motion.jerk[k];
         }
-        let with_inertia = |(k, torque): (usize, &f64)| torque + inertia * motion.acceleration[k];
-        moved.unsprung = motion.unsprung.as_deref().map(|all| all.iter().enumerate().map(with_inertia).collect());
         let mut load = Load::new(&moved, ripple);
         load.peak_torque = largest(&motion.torque);
         load.running_load = running_load(motion);

@@ -241,7 +241,7 @@ impl Motion {
             between: motions.iter().map(|m| m.between).fold(Between::Nothing, worse),
             held: motions.iter().map(|m| m.held).fold(0.0, f64::max),
             cases: Some(Arc::new(cases)),
-            unsprung: None,
+            sprung: motions.iter().any(|m| m.sprung),
             looked: None,
             mixed: false,
         }
@@ -316,7 +316,7 @@ impl Motion {
             between: self.between,
             held: self.held,
             cases: None,
-            unsprung: self.unsprung.as_deref().map(|values| of(values).into()),
+            sprung: self.sprung,
             looked: None,
             mixed: false,
         }

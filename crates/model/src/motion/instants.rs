@@ -338,7 +338,7 @@ fn emptied(motion: &Motion) -> Motion {
         between: motion.between,
         held: motion.held,
         cases: None,
-        unsprung: None,
+        sprung: motion.sprung,
         looked: None,
         mixed: false,
     }

@@ -49,9 +49,9 @@ pub struct Motion {
     pub torque_rate: Vec<f64>,
     /// Jerk \[rad/s³\], j.
     pub jerk: Vec<f64>,
-    /// Load torque \[N·m\] before a spring was added, where there is one. Standstill is weighted by it, and so does not depend on the
-    /// spring.
-    pub unsprung: Option<Arc<[f64]>>,
+    /// True if a spring may take part of the torque. Standstill is then weighted by time instead of torque, so that it does not depend
+    /// on the spring.
+    pub sprung: bool,
     /// Share of the time that each sample stands for; sums to one. By the trapezoid rule, and by Simpson's where the
     /// way between two given samples is divided.
     pub weight: Vec<f64>,
@@ -199,7 +199,7 @@ impl Motion {
             between: Between::Nothing,
             held: 1.0,
             cases: None,
-            unsprung: None,
+            sprung: false,
             looked: None,
             mixed: false,
         }
@@ -235,7 +235,7 @@ impl Motion {
             between: Between::Nothing,
             held: 1.0,
             cases: None,
-            unsprung: None,
+            sprung: false,
             looked: None,
             mixed: false,
         }
@@ -247,17 +247,12 @@ impl Motion {
     pub fn with_spring(&self, stiffness: f64, rest_angle: f64) -> Option<Motion> {
         let position = self.position.as_ref()?;
         let mut moved = self.clone();
-        moved.unsprung = Some(self.without_spring().into());
+        moved.sprung = true;
         for (k, q) in position.iter().enumerate() {
             moved.torque[k] += stiffness * (q - rest_angle);
             moved.torque_rate[k] += stiffness * self.velocity[k];
         }
         Some(moved)
-    }
-
-    /// Load torque \[N·m\] without the spring's part.
-    pub fn without_spring(&self) -> &[f64] {
-        self.unsprung.as_deref().unwrap_or(&self.torque)
     }
 
     /// The same with all torques times `torque`, played `speed` times as fast: the same positions in less
@@ -275,7 +270,6 @@ impl Motion {
         }
         let times = |values: &mut Vec<f64>, factor: f64| values.iter_mut().for_each(|v| *v *= factor);
         times(&mut self.torque, torque);
-        self.unsprung = self.unsprung.map(|all| all.iter().map(|v| v * torque).collect());
         times(&mut self.torque_rate, torque * speed);
         times(&mut self.velocity, speed);
         times(&mut self.acceleration, speed * speed);

@@ -104,7 +104,6 @@ impl Motion {
             torque_rate: of(&self.torque_rate),
             jerk: of(&self.jerk),
             position: self.position.as_deref().map(of),
-            unsprung: None,
             given: (0..self.given.len()).collect(),
             time,
             velocity,

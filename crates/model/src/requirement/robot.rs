@@ -287,13 +287,12 @@ impl Joint {
             let moved = passed.motion().with_spring(stiffness, rest_angle)?;
             let Via::One(way) = passed.via.clone() else { return None };
             let (mut motion, passed) = Passed::new(&Transmission { way, numbers: passed.numbers }, &moved).ok()?;
-            let unsprung = self.motion.without_spring();
-            motion.unsprung = (unsprung.len() == motion.len()).then(|| unsprung.into());
+            motion.sprung = true;
             return Some(Joint { motion: motion.into(), passed: Some(passed.into()), ..self.clone() });
         }
         let pull = self.pull()?;
         let mut motion = Motion::clone(&self.motion);
-        motion.unsprung = Some(self.motion.without_spring().into());
+        motion.sprung = true;
         for k in 0..motion.len() {
             let ([q, per], [speed, per_rate]) = (pull.torque(k), pull.rate(k));
             motion.torque[k] += stiffness * (q - rest_angle * per);
