@@ -1,15 +1,18 @@
 //! All motors of a catalogue for all joints of a robot: the best ratio of each, ranked.
 
+use std::sync::atomic::AtomicU64;
+
 use rayon::prelude::*;
 
 use super::agreement::kendall_tau;
-use super::answer::{Agreement, Design, JointResult, Refused, RobotResult, Sorted};
+use super::answer::{Agreement, Design, JointResult, Reason, Refused, RobotResult, Sorted};
 use super::mount::{JointDemand, Site};
 use super::options::{Options, Stop, Stopped};
+use super::program::Unsolved;
 use super::prune;
 use super::windings::best_wound;
 use gearwise_model::actuator::metrics::{METRICS, Shown};
-use gearwise_model::catalog::Catalog;
+use gearwise_model::catalog::{Catalog, Motor};
 use gearwise_model::requirement::{Joint, Robot};
 
 /// Finds the best ratio of every motor at every joint.
@@ -58,7 +61,8 @@ fn solve_joint<'a>(
     let demand = JointDemand::among(joint, catalog, options.loads);
     let gears_without_efficiency = demand.without_efficiency();
     let stop = Stop::when(options.stop);
-    let site = Site::new(robot, joint, &demand).stopping(stop);
+    let done = AtomicU64::new(0);
+    let site = Site::new(robot, joint, &demand).stopping(stop.adding(&done));
     if let Some(keep) = options.keep {
         let (found, pruned) = prune::first(site, catalog, keep, &options)?;
         let Sorted { candidates, unjudged, rejected } = found;
@@ -73,19 +77,35 @@ fn solve_joint<'a>(
             gears_without_efficiency,
         });
     }
-    let found: Result<Vec<Result<Design, Refused>>, Stopped> = catalog
-        .motors
-        .par_iter()
-        .filter(|motor| !joint.motors.pass_over(motor))
-        .map(|motor| {
-            let found = best_wound(site, motor, options.only_checked);
-            (options.tick)();
-            stop.unless(found)
-        })
-        .collect();
-    let Sorted { candidates, unjudged, rejected } = Sorted::of(found?);
+    let motors: Vec<&Motor> = catalog.motors.iter().filter(|motor| !joint.motors.pass_over(motor)).collect();
+    let solve = |motor: &&'a Motor| {
+        let found = best_wound(site, motor, options.only_checked);
+        (options.tick)();
+        stop.unless(found)
+    };
+    let mut found = motors.par_iter().map(solve).collect::<Result<Vec<Result<Design, Refused>>, Stopped>>()?;
+    // Motors whose search ended get the work that the others left over.
+    let ended: Vec<usize> = (0..motors.len()).filter(|k| has_ended(&found[*k])).collect();
+    if let Some(longer) = site.stop.again(motors.len(), ended.len()).filter(|_| !ended.is_empty()) {
+        let site = Site { stop: longer, ..site };
+        let solve = |k: &usize| stop.unless(best_wound(site, motors[*k], options.only_checked));
+        let again = ended.par_iter().map(solve).collect::<Result<Vec<_>, Stopped>>()?;
+        ended.into_iter().zip(again).for_each(|(k, again)| found[k] = again);
+    }
+    let Sorted { candidates, unjudged, rejected } = Sorted::of(found);
     let agreement = agreement(&candidates);
     Ok(JointResult { joint, agreement, candidates, unjudged, rejected, pruned: None, gears_without_efficiency })
+}
+
+/// True if a motor's search ended after its share of the work.
+fn has_ended(found: &Result<Design, Refused>) -> bool {
+    match found {
+        Ok(design) => design.optimum.certificate.is_ended(),
+        Err(Refused::Rejected(why)) => {
+            matches!(why.reason, Reason::NotSolved(Unsolved::NothingRuledOut | Unsolved::Nearly { .. }))
+        }
+        Err(Refused::Unjudged(_)) => false,
+    }
 }
 
 /// Kendall's τ of each metric against the objective, over the feasible motors.

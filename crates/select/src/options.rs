@@ -1,6 +1,7 @@
 //! How a search is run, and how it is stopped.
 
 use std::fmt;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::loads::Loads;
 use gearwise_model::numerics::work;
@@ -15,6 +16,8 @@ pub struct Stop<'s> {
     asked: &'s (dyn Fn() -> bool + Sync),
     /// Steps of [`work`] for each program.
     steps: u64,
+    /// Sum of the steps that programs do.
+    done: Option<&'s AtomicU64>,
 }
 
 /// Steps of [`work`] for all programs of a search, if all do them: about 60 s of one core.
@@ -26,9 +29,12 @@ const FEWEST_STEPS: u64 = 2_000_000;
 /// Most steps for one program.
 const MOST_STEPS: u64 = 400_000_000;
 
+/// Largest share of a program that is solved again, relative to its first share.
+const MOST_TIMES: u64 = 8;
+
 impl<'s> Stop<'s> {
     /// Never.
-    pub const NEVER: Stop<'static> = Stop { asked: &|| false, steps: MOST_STEPS };
+    pub const NEVER: Stop<'static> = Stop { asked: &|| false, steps: MOST_STEPS, done: None };
 
     /// When somebody says so.
     pub fn when(stop: &'s (dyn Fn() -> bool + Sync)) -> Stop<'s> {
@@ -40,9 +46,27 @@ impl<'s> Stop<'s> {
         Stop { steps: (ALL_STEPS / programs.max(1) as u64).clamp(FEWEST_STEPS, MOST_STEPS), ..self }
     }
 
+    /// Add up the steps that programs do.
+    pub(super) fn adding(self, done: &'s AtomicU64) -> Stop<'s> {
+        Stop { done: Some(done), ..self }
+    }
+
+    /// Share of each of `among` programs in the work that all `programs` left over, at most [`MOST_TIMES`] the first share; `None` where
+    /// it is less than twice the first share.
+    pub(super) fn again(self, programs: usize, among: usize) -> Option<Stop<'s>> {
+        let done = self.done.map_or(u64::MAX, |done| done.load(Ordering::Relaxed));
+        let left = self.steps.saturating_mul(programs as u64).saturating_sub(done);
+        let steps = (left / among.max(1) as u64).min(MOST_TIMES * self.steps).min(MOST_STEPS);
+        (steps >= 2 * self.steps).then_some(Stop { steps, ..self })
+    }
+
     /// Solve a program within its share of the work.
     pub(super) fn within<T>(self, solve: impl FnOnce() -> T) -> T {
-        work::within(self.steps, solve)
+        let (found, steps) = work::within(self.steps, solve);
+        if let Some(done) = self.done {
+            done.fetch_add(steps, Ordering::Relaxed);
+        }
+        found
     }
 
     /// True if a program is to end: it was stopped, or its share of the work is done.
@@ -50,7 +74,7 @@ impl<'s> Stop<'s> {
         work::is_spent() || self.now()
     }
 
-    /// Whether it is to stop now.
+    /// True if the search is to stop now.
     pub fn now(self) -> bool {
         (self.asked)()
     }
@@ -104,5 +128,31 @@ impl Default for Options<'_> {
             joint: None,
             loads: None,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn programs_that_ended_share_the_work_that_the_others_left() {
+        let done = AtomicU64::new(0);
+        let stop = Stop::NEVER.among(1_000).adding(&done);
+        let share = stop.steps;
+        let solve = |stop: Stop, steps: usize| {
+            stop.within(|| {
+                while steps > 0 && !stop.ends_program() {
+                    work::count(steps);
+                }
+            });
+        };
+        // 9 of 10 do nothing, one its whole share.
+        (0..9).for_each(|_| solve(stop, 0));
+        solve(stop, (share / 10) as usize);
+        assert_eq!(stop.again(10, 1).map(|again| again.steps), Some(MOST_TIMES * share));
+        assert_eq!(stop.again(10, 3).map(|again| again.steps), Some(3 * share));
+        // Less than twice the first share is not worth a second search.
+        assert!(stop.again(10, 5).is_none());
     }
 }

@@ -403,7 +403,7 @@ fn of_the_ratios_that_can_be_judged_the_best_is_the_choice() {
             let inside = |n: f64| n > window.min * 1.001 && n < window.max * 0.999;
             assert!(looked.iter().filter(|l| inside(l.0)).all(|l| l.1), "case {i} {convex}: {window:?}");
         }
-        let moved = matches!(&optimum.certificate, Certificate::NotCertified(why) if why.contains("cannot be judged"));
+        let moved = matches!(&optimum.certificate, Certificate::NotCertified(why) if why.to_string().contains("cannot be judged"));
         if moved {
             let free = solved::solve(&case.motor, &case.robot).map_or_else(|why| panic!("{why:?}"), |f| f.optimum);
             assert!(!is_judged(free.ratio) && free.objective <= optimum.objective, "case {i} {convex}: {free:?}");

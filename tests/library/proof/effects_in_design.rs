@@ -339,6 +339,7 @@ fn the_best_ratio_is_the_best_of_many() {
                     }
                     match &design.optimum.certificate {
                         Certificate::NotCertified(why) if evaluated => {
+                            let why = why.to_string();
                             if !kind.iter().any(|name| why.contains(name)) || !why.contains("grid of ratios") {
                                 tell(format!("marked as {why}"));
                             }

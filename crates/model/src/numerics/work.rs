@@ -17,9 +17,9 @@ pub fn count(steps: usize) {
     DONE.set(DONE.get().wrapping_add(steps as u64));
 }
 
-/// Run a search that ends after so many steps: [`is_spent`] tells it. Within another search the end of that one holds. The search may
-/// have no parallel sections.
-pub fn within<T>(steps: u64, search: impl FnOnce() -> T) -> T {
+/// Run a search that ends after a number of steps, which [`is_spent`] tells it. Returns its result and the steps that it did. Within
+/// another search, that search sets the end and counts the steps, and the result has none. The search may have no parallel sections.
+pub fn within<T>(steps: u64, search: impl FnOnce() -> T) -> (T, u64) {
     /// Takes the end away, even where the search panics.
     struct Ends;
     impl Drop for Ends {
@@ -28,12 +28,13 @@ pub fn within<T>(steps: u64, search: impl FnOnce() -> T) -> T {
         }
     }
     if END.get() != u64::MAX {
-        return search();
+        return (search(), 0);
     }
     let _ends = Ends;
     DONE.set(0);
     END.set(steps.min(u64::MAX - 1));
-    search()
+    let found = search();
+    (found, DONE.get())
 }
 
 /// True once the steps of the search of this thread are done.
@@ -49,15 +50,15 @@ mod tests {
     fn a_search_ends_after_its_steps_and_the_next_begins_anew() {
         assert!(!is_spent());
         for _ in 0..2 {
-            let looks = within(10, || {
+            let (looks, steps) = within(10, || {
                 let mut looks = 0;
                 while !is_spent() {
-                    within(1_000, || count(3));
+                    assert_eq!(within(1_000, || count(3)), ((), 0));
                     looks += 1;
                 }
                 looks
             });
-            assert_eq!(looks, 4);
+            assert_eq!((looks, steps), (4, 12));
             assert!(!is_spent());
         }
         assert!(std::panic::catch_unwind(|| within(5, || panic!("of a test"))).is_err());

@@ -138,7 +138,7 @@ pub struct Solution<'a> {
     /// The same relative to both: per cent of the objective per per cent of the limit.
     pub sensitivity: Pairs<'a>,
     /// How sure it is that no ratio is better.
-    pub certificate: Certificate<'a>,
+    pub certificate: Certificate,
 }
 
 /// What is at the lower and at the upper end.
@@ -230,23 +230,23 @@ pub struct Window {
 /// How sure the best ratio is.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
-pub struct Certificate<'a> {
+pub struct Certificate {
     /// Whether it is proved.
     pub certified: bool,
     /// No ratio has an objective below this.
     pub lower_bound: Option<f64>,
-    /// `(objective − lower bound)/|objective|`.
+    /// `(objective − lower bound)/|objective|`. Where the search ended after its share of the work, an upper bound of it, if one is known.
     pub gap: Option<f64>,
     /// How the bound was found.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub method: Option<&'static str>,
     /// Why it is not proved.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub because: Option<&'a str>,
+    pub because: Option<String>,
 }
 
-impl<'a> From<&'a program::Certificate> for Certificate<'a> {
-    fn from(certificate: &'a program::Certificate) -> Certificate<'a> {
+impl From<&program::Certificate> for Certificate {
+    fn from(certificate: &program::Certificate) -> Certificate {
         match certificate {
             program::Certificate::Certified { lower_bound, gap, method } => Certificate {
                 certified: true,
@@ -256,7 +256,8 @@ impl<'a> From<&'a program::Certificate> for Certificate<'a> {
                 because: None,
             },
             program::Certificate::NotCertified(why) => {
-                Certificate { certified: false, lower_bound: None, gap: None, method: None, because: Some(why) }
+                let (gap, because) = (certificate.gap(), Some(why.to_string()));
+                Certificate { certified: false, lower_bound: None, gap, method: None, because }
             }
         }
     }

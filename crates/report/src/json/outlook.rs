@@ -14,7 +14,6 @@ use gearwise_select::evaluate::Evaluation;
 use gearwise_select::flatness;
 use gearwise_select::nearby;
 use gearwise_select::outlook;
-use gearwise_select::program::Certificate;
 
 /// What is said of the first candidate beside the choice.
 #[derive(Debug, Default, Serialize)]
@@ -292,10 +291,7 @@ impl<'a> NearGear<'a> {
 impl<'a> From<&'a outlook::FrontDesign<'a>> for FrontDesign<'a> {
     fn from(of: &'a outlook::FrontDesign<'a>) -> FrontDesign<'a> {
         let design = &of.design;
-        let gap = match design.optimum.certificate {
-            Certificate::Certified { gap, .. } => Some(gap),
-            Certificate::NotCertified(_) => None,
-        };
+        let gap = design.optimum.certificate.gap();
         FrontDesign {
             share: of.share,
             motor: &design.motor.id,

@@ -144,7 +144,7 @@ pub struct Chosen<'a> {
     /// Margin of each limit, by its name.
     pub margins: Pairs<'a>,
     /// How sure it is that no ratio is better.
-    pub certificate: Certificate<'a>,
+    pub certificate: Certificate,
 }
 
 /// What a choice made before comes to under the fitted model.

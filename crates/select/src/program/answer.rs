@@ -1,6 +1,7 @@
 //! What a ratio program finds, as facts.
 
 use std::borrow::Cow;
+use std::fmt;
 
 use super::bind::Bind;
 use super::refusal::Refusal;
@@ -83,17 +84,64 @@ pub enum Certificate {
         method: &'static str,
     },
     /// The best that was found; why there is no proof.
-    NotCertified(Cow<'static, str>),
+    NotCertified(NotProved),
+}
+
+/// Why an optimum is not proved.
+#[derive(Debug, Clone, PartialEq)]
+pub enum NotProved {
+    /// The search ended after its share of the work.
+    Ended {
+        /// No ratio is better by more than this (relative); `None` where that is not known.
+        gap: Option<f64>,
+    },
+    /// The bounds did not meet, or there are none.
+    Because(Cow<'static, str>),
+}
+
+impl From<&'static str> for NotProved {
+    fn from(why: &'static str) -> NotProved {
+        NotProved::Because(why.into())
+    }
+}
+
+impl From<String> for NotProved {
+    fn from(why: String) -> NotProved {
+        NotProved::Because(why.into())
+    }
+}
+
+impl fmt::Display for NotProved {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let ended = "the search ended after its share of the work";
+        match self {
+            NotProved::Ended { gap: Some(gap) } => {
+                write!(f, "{ended}; no ratio is better by more than {} %", gearwise_model::words::number(100.0 * gap))
+            }
+            NotProved::Ended { gap: None } => write!(f, "{ended}; how much better another ratio may be is not known"),
+            NotProved::Because(why) => f.write_str(why),
+        }
+    }
 }
 
 impl Certificate {
     /// The certificate of a program that did its share of the work before its bounds met, at a relative gap.
     pub(super) fn ended(gap: f64) -> Certificate {
-        let better = match gap.is_finite() {
-            true => format!("no ratio is better by more than {} %", gearwise_model::words::number(100.0 * gap)),
-            false => "how much better another ratio may be is not known".into(),
-        };
-        Certificate::NotCertified(format!("the search ended after its share of the work; {better}").into())
+        Certificate::NotCertified(NotProved::Ended { gap: gap.is_finite().then_some(gap) })
+    }
+
+    /// Relative gap between the objective and the least that it may be, where that is known.
+    pub fn gap(&self) -> Option<f64> {
+        match self {
+            Certificate::Certified { gap, .. } => Some(*gap),
+            Certificate::NotCertified(NotProved::Ended { gap }) => *gap,
+            Certificate::NotCertified(NotProved::Because(_)) => None,
+        }
+    }
+
+    /// True if the search ended after its share of the work.
+    pub(crate) fn is_ended(&self) -> bool {
+        matches!(self, Certificate::NotCertified(NotProved::Ended { .. }))
     }
 
     /// The certificate of the least mass, from that of the smallest ratio or of any at all.

@@ -701,7 +701,7 @@ mod tests {
             let not = Err(Refusal::NotSolved(Unsolved::NothingRuledOut));
             certificate(&best, &[solved(0, Ok(best.clone()), Some(5.0)), solved(1, not, bound)], &BY_GEAR)
         };
-        assert!(matches!(other(None), Certificate::NotCertified(why) if why.contains("from 3 to 4")));
+        assert!(matches!(other(None), Certificate::NotCertified(why) if why.to_string().contains("from 3 to 4")));
         assert!(matches!(other(Some(f64::NAN)), Certificate::NotCertified(_)));
         assert!(matches!(other(Some(4.9)), Certificate::NotCertified(_)));
         let certified = |certificate: Certificate| match certificate {

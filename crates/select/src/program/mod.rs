@@ -33,7 +33,7 @@ use gearwise_model::requirement::{Objective, Quantity};
 
 use super::evaluate::{Prepared, violation};
 
-pub use answer::{Certificate, Optimum, Outcome, ShadowPrice, Window};
+pub use answer::{Certificate, NotProved, Optimum, Outcome, ShadowPrice, Window};
 pub use bind::Bind;
 pub use bound::Bound;
 pub(crate) use objective::Peak;
