@@ -29,7 +29,7 @@ pub(super) const GRADES: f64 = 64.0;
 const OF_MOTION: [f64; 2] = [0.2, 0.45];
 /// Mean excess of one stay, as a share of that at standstill, from which it counts and from which it counts in full.
 const OF_STAY: [f64; 2] = [0.5, 0.75];
-/// Excess of a stay, as a share of the motion's heat within a time constant, from which it counts by itself, and in full.
+/// Excess of the stays that count by themselves, as a share of the motion's heat, from which they do, and in full.
 const SHARE: [f64; 2] = [0.01, 0.03];
 /// Twice the electrical angle \[rad\] swept without pause, and within a time constant, from which it averages out.
 const SWEPT: f64 = 16.0;
@@ -230,6 +230,15 @@ impl Run {
         (0..self.count()).map(is_even).collect()
     }
 
+    /// For each interval, true if a run of the fastest intervals begins there.
+    fn begins_fastest(&self) -> Vec<bool> {
+        let swept: Vec<f64> = (0..self.count()).map(|i| self.swept(i, 1.0)).collect();
+        let most = swept.iter().fold(0.0, |most: f64, swept| most.max(*swept));
+        let is_fastest = |i: usize| swept[i] >= (1.0 - 1e-6) * most;
+        let before = |i: usize| (i + swept.len() - 1) % swept.len();
+        (0..swept.len()).map(|i| is_fastest(i) && !is_fastest(before(i))).collect()
+    }
+
     /// For each interval, true if the angle that is swept in it and about it averages out.
     fn averages_out(&self, even: &[bool], kappa: f64, tau: f64) -> Vec<bool> {
         let count = self.count();
@@ -297,18 +306,21 @@ impl Run {
         let (low, high) = self.position.iter().fold((0.0, 0.0), ends);
         // One stay of everything that begins again with the period.
         let is_one = !passes.contains(&true) && (kappa * (high - low) <= WIDEST || !even.contains(&false));
-        let fastest = (0..count).max_by(|a, b| self.swept(*a, 1.0).total_cmp(&self.swept(*b, 1.0))).unwrap_or(0);
+        let fastest = self.begins_fastest();
         let first = match passes.iter().position(|passes| *passes) {
-            _ if !is_periodic || is_one => 0,
+            _ if !is_periodic => 0,
             Some(pass) => pass,
-            None => fastest,
+            None => fastest.iter().position(|begins| *begins).unwrap_or(0),
         };
+        // Stays and parts begin anew there, so that a period that is written down several times has those of one.
+        let is_anew = |i: usize| is_periodic && fastest[i] && !passes.contains(&true);
         let place = |k: usize| ((first + k) % count, if first + k < count { 0.0 } else { way });
         let mut z = Complex::ZERO;
         if is_periodic && is_one {
             // The state that repeats, turned by the way of a period.
-            for i in 0..count {
-                z = self.integrate(i, self.position[i], z, at).0;
+            for k in 0..count {
+                let (i, turns) = place(k);
+                z = self.integrate(i, self.position[i] + turns, z, at).0;
             }
             let decay = (-self.lasts() / tau).exp();
             let (sin, cos) = (kappa * way).sin_cos();
@@ -334,7 +346,8 @@ impl Run {
                 }
                 is_uneven |= !even[i];
                 range = [i, i + 1].map(|k| self.position[k] + turns).iter().fold(range, ends);
-                if is_uneven && kappa * (range.1 - range.0) > WIDEST && !is_one {
+                let is_wide = is_uneven && kappa * (range.1 - range.0) > WIDEST;
+                if (is_wide || is_anew(i)) && !is_one && !begins {
                     z = Complex::ZERO;
                     (stay, begins, is_uneven) = (stay + 1, true, !even[i]);
                     range = (self.position[i] + turns, self.position[i + 1] + turns);
@@ -355,7 +368,8 @@ impl Run {
                 part.excess = tau * (left - before) + integral;
                 part.resting = if self.rests[i] { heat } else { 0.0 };
             }
-            match parts.last_mut().filter(|last| last.stay == part.stay && last.lasts + lasts <= 0.25 * tau) {
+            let goes_on = |last: &&mut Part| last.stay == part.stay && last.lasts + lasts <= 0.25 * tau && !fastest[i];
+            match parts.last_mut().filter(goes_on) {
                 Some(last) => {
                     last.count += 1;
                     last.lasts += lasts;
@@ -369,13 +383,13 @@ impl Run {
         parts
     }
 
-    /// The largest excess of moving samples and the largest mean heat behind the winding's lag.
-    fn peaks(&self, parts: &[Part], tau: f64) -> (f64, f64) {
-        let lag = |start: [f64; 2], peak: &mut [f64; 2]| {
+    /// Largest values behind the winding's lag of heat and excesses, which `of_part` gives for each part.
+    fn peaks<const N: usize>(&self, parts: &[Part], tau: f64, of_part: impl Fn(&Part) -> [f64; N]) -> [f64; N] {
+        let lag = |start: [f64; N], peak: &mut [f64; N]| {
             parts.iter().fold(start, |now, part| {
                 let share = -(-part.lasts / tau).exp_m1();
                 let mut next = now;
-                for (k, heat) in [part.moving().1, part.heat].into_iter().enumerate() {
+                for (k, heat) in of_part(part).into_iter().enumerate() {
                     let mean = if part.lasts > 0.0 { heat / part.lasts } else { 0.0 };
                     next[k] += share * (mean - now[k]);
                     peak[k] = peak[k].max(next[k]);
@@ -383,13 +397,13 @@ impl Run {
                 next
             })
         };
-        let mut peaks = [0.0; 2];
-        let end = lag([0.0; 2], &mut peaks);
+        let mut peaks = [0.0; N];
+        let end = lag([0.0; N], &mut peaks);
         if self.is_periodic() {
             let left = -(-self.lasts() / tau).exp_m1();
             lag(end.map(|end| end / left), &mut peaks);
         }
-        peaks.into()
+        peaks
     }
 
     /// Degree of every moving sample at a κ, of a winding with a time constant \[s\].
@@ -409,8 +423,6 @@ impl Run {
             return vec![0.0; self.samples.len()];
         }
         let parts = self.parts(kappa, tau);
-        let (excess, mean) = self.peaks(&parts, tau);
-        let of_motion = if mean > 0.0 { ramp(excess / mean, OF_MOTION) } else { 0.0 };
         let stays = parts.iter().filter_map(|part| part.stay).max().map_or(0, |last| last + 1);
         let mut of_stays = vec![(0.0, 0.0); stays];
         for (part, stay) in parts.iter().filter_map(|part| Some((part, part.stay?))) {
@@ -418,12 +430,16 @@ impl Run {
             of_stays[stay].0 += heat;
             of_stays[stay].1 += excess;
         }
-        let counts = |(heat, excess): &(f64, f64)| {
-            let share = excess / (mean * tau.min(lasts)).max(f64::MIN_POSITIVE);
-            let own = ramp(excess / heat.max(f64::MIN_POSITIVE), OF_STAY) * ramp(share, SHARE);
-            own.max(of_motion)
-        };
-        let of_stays: Vec<f64> = of_stays.iter().map(counts).collect();
+        // Share to which each stay counts by itself.
+        let own: Vec<f64> =
+            of_stays.iter().map(|(heat, excess)| ramp(excess / heat.max(f64::MIN_POSITIVE), OF_STAY)).collect();
+        let [mean, excess, by_themselves] = self.peaks(&parts, tau, |part| {
+            let excess = part.moving().1;
+            [part.heat, excess, part.stay.map_or(0.0, |stay| own[stay] * excess)]
+        });
+        let share = |excess: f64, limits| if mean > 0.0 { ramp(excess / mean, limits) } else { 0.0 };
+        let (of_motion, of_own) = (share(excess, OF_MOTION), share(by_themselves, SHARE));
+        let of_stays: Vec<f64> = own.iter().map(|own| (own * of_own).max(of_motion)).collect();
         let mut of_intervals = vec![0.0_f64; count];
         for (part, stay) in parts.iter().filter_map(|part| Some((part, part.stay?))) {
             let (heat, excess) = part.moving();
@@ -788,6 +804,7 @@ mod tests {
             (least, most, sum) = (least.min(apart), most.max(apart), sum + apart);
         }
         let mean = sum / f64::from(cases);
+        println!("{least} to {most}, on average {mean}");
         assert!(least > -0.25 && most < 0.6 && mean.abs() < 0.02, "{least} to {most}, on average {mean}");
     }
 
@@ -832,6 +849,35 @@ mod tests {
         let rippled = motion(20.0, 2500, at, Course::Once(20.0));
         let (truth, told, mean) = excess(&rippled, kappa, tau);
         assert!(truth > 0.4 * mean && told > truth - 0.2 * mean, "{} not {}", told / mean, truth / mean);
+    }
+
+    #[test]
+    fn a_period_that_is_written_twice_has_the_degrees_of_one() {
+        let mut generator = Pcg64::seed_from_u64(12);
+        let mut counted = 0;
+        for _ in 0..60 {
+            let period = 10.0_f64.powf(generator.random_range(-0.3..1.5));
+            let (kappa, tau) = (generator.random_range(20.0..600.0), generator.random_range(3.0..60.0));
+            let size = 10.0_f64.powf(generator.random_range(0.0..1.7)) / kappa;
+            let waves: Vec<[f64; 3]> = (1..5)
+                .map(|k| [size * generator.random_range(0.0..1.0), f64::from(k), generator.random_range(0.0..6.0)])
+                .collect();
+            let turn = |t: f64| std::f64::consts::TAU * t / period;
+            let way = |t: f64| waves.iter().map(|[a, w, x]| a * (w * turn(t) + x).sin()).sum::<f64>();
+            let torque = |t: f64| 0.1 + turn(t).cos().abs().powi(2);
+            let degrees = |times: usize| {
+                let all = period * times as f64;
+                Sweep::new(&driven(all, 200 * times, way, torque, Course::Periodic(all))).degrees_at(kappa, tau)
+            };
+            let (once, twice) = (degrees(1), degrees(2));
+            assert_eq!(twice.len(), 2 * once.len());
+            counted += usize::from(once.iter().any(|degree| *degree > 0));
+            for (k, degree) in twice.iter().enumerate() {
+                let expected = once[k % once.len()];
+                assert!(degree.abs_diff(expected) <= 1, "{k}: {degree}, not {expected}");
+            }
+        }
+        assert!(counted > 20, "{counted}");
     }
 
     #[test]
