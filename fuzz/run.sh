@@ -28,6 +28,7 @@ longest() { # how large inputs may get [bytes]
     case $1 in
         optimize) echo 400 ;;
         motion | log) echo 2048 ;;
+        mcap | npz | parquet) echo 4096 ;;
         solve) echo 4096 ;;
         *) echo 8192 ;;
     esac

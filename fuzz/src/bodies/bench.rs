@@ -72,8 +72,27 @@ pub fn bench(bytes: &[u8]) {
     evaluate(&folder.path("bench.toml"));
 }
 
-/// A log of any bytes under one of three benches; the first byte says under which.
+/// A log of any bytes under one of four benches; the first byte says under which.
 pub fn log(bytes: &[u8]) {
+    log_of("log.csv", bytes);
+}
+
+/// The same of a recording of ROS 2.
+pub fn mcap(bytes: &[u8]) {
+    log_of("log.mcap", bytes);
+}
+
+/// The same of a NumPy archive.
+pub fn npz(bytes: &[u8]) {
+    log_of("log.npz", bytes);
+}
+
+/// The same of a Parquet file.
+pub fn parquet(bytes: &[u8]) {
+    log_of("log.parquet", bytes);
+}
+
+fn log_of(name: &str, bytes: &[u8]) {
     const DYNAMOMETER: &str = r#"catalog = ["motors.csv"]
 actuator = { motor = "outrunner", ratio = 6 }
 kind = "dynamometer"
@@ -114,11 +133,23 @@ current = "phase_amplitude"
 [[log]]
 file = "log.csv"
 "#;
+    const RECORDING: &str = r#"catalog = ["motors.csv"]
+actuator = { motor = "outrunner", ratio = 9 }
+kind = "dynamometer"
+[columns]
+time = { name = "/joint_states/header/stamp", unit = "s" }
+current = { name = "/joint_states/effort/knee", unit = "A", convention = "q_axis" }
+velocity = { name = "/joint_states/velocity/knee", unit = "rad/s", side = "motor" }
+torque = { name = "/sensor/data", unit = "N*m", side = "output" }
+[[log]]
+file = "log.csv"
+"#;
     let Some((kind, log)) = bytes.split_first() else { return };
     let folder = Folder::new();
     folder.write("motors.csv", MOTORS.as_bytes());
-    folder.write("log.csv", log);
-    folder.write("bench.toml", [DYNAMOMETER, TABLE, STALL][usize::from(*kind) % 3].as_bytes());
+    folder.write(name, log);
+    let bench = [DYNAMOMETER, TABLE, STALL, RECORDING][usize::from(*kind) % 4].replace("log.csv", name);
+    folder.write("bench.toml", bench.as_bytes());
     evaluate(&folder.path("bench.toml"));
 }
 
