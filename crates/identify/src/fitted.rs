@@ -273,13 +273,20 @@ impl Builder<'_> {
             let whole = 1.0 / own + factor.value;
             let efficiency = factor.through(1.0 / whole, -1.0 / (whole * whole));
             let backdrive = factor.through(back - factor.value, -1.0);
-            gear.efficiency = Some(self.printed("gear.efficiency".into(), &efficiency, "1").value);
-            gear.backdrive_efficiency = Some(self.printed("gear.backdrive_efficiency".into(), &backdrive, "1").value);
+            gear.efficiency = Some(self.of_gear("gear.efficiency", &efficiency));
+            gear.backdrive_efficiency = Some(self.of_gear("gear.backdrive_efficiency", &backdrive));
         }
         if ratio != 1.0 || factor.is_some() {
             gear.ratio = Some(settled(ratio, "1"));
         }
         (gear != FittedGear::default()).then_some(gear)
+    }
+
+    /// A number of the gear as a file has it. Its ± is kept.
+    fn of_gear(&mut self, name: &str, found: &Number) -> f64 {
+        let printed = self.printed(name.into(), found, "1");
+        self.tolerances.extend(printed.tolerance.map(|tolerance| (name.into(), tolerance)));
+        printed.value
     }
 
     /// Effects that were found, and those that were declared beyond the row, with their fitted values: in the order of

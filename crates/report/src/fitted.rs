@@ -94,7 +94,8 @@ fn axis_table(axis: &Axis) -> String {
 }
 
 fn gear_table(motor: &Motor) -> String {
-    motor.fitted_gear.map_or_else(String::new, |gear| format!("\n[gear]\n{}", gear_text(&gear)))
+    let (Some(gear), Some(fit)) = (&motor.fitted_gear, &motor.fit) else { return String::new() };
+    format!("\n[gear]\n{}", gear_text(gear, fit))
 }
 
 fn effect_table(fitted: &FittedEffect, of_axis: bool, fit: &Fit) -> String {
@@ -106,7 +107,7 @@ fn effect_table(fitted: &FittedEffect, of_axis: bool, fit: &Fit) -> String {
     let mut out = format!("\n{header}\n");
     for (parameter, value) in effect.parameters().iter().zip(&fitted.values) {
         let name = Named::new(effect, fitted.values.last().copied(), parameter.name).to_string();
-        let tolerance = fit.tolerances.iter().find(|(of, _)| *of == name).map(|(_, tolerance)| *tolerance);
+        let tolerance = fit.tolerance(&name);
         let kind = if of_axis { on_axis(parameter.kind) } else { parameter.kind };
         with_tolerance(&mut out, parameter.name, Printed { value: *value, tolerance }, kind);
     }

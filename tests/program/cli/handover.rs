@@ -349,6 +349,46 @@ fn ranges_come_from_tolerances_and_draws_keep_what_belongs_together() {
     assert!(!stdout(&run(&base, &["--to", "isaaclab2", "--ranges"])).contains("RANGES"));
 }
 
+/// A no-load current of which any part may grow with speed: Coulomb friction is 0 to K_T I_0, viscous friction 0 to K_T I_0/ω_0.
+#[test]
+fn drag_known_as_a_sum_has_ranges_and_draws_on_its_segment() {
+    let folder = tempfile::tempdir().unwrap();
+    let base = example(folder.path(), "knee", "");
+    let (before, rest) = FITTED.split_once("[effects.coulomb_friction]").unwrap();
+    let (_, after) = rest.split_once("[effects.gear_compliance]").unwrap();
+    let before = before
+        .replace("viscous_friction = \"1e-4 N*m*s/rad\"", "no_load_current = \"0.2 A\"\nno_load_speed = \"400 rad/s\"")
+        .replace("rotor_inertia_tolerance = \"1e-6 kg*m^2\"\n", "");
+    write(folder.path(), "f.toml", &format!("{before}[effects.gear_compliance]{after}"));
+    let facts = json(&base, &["--ranges", "--draws", "200"]);
+    let of = |facts: &Value, name: &str| {
+        let ranges = facts["ranges"].as_array().unwrap();
+        let range = ranges.iter().find(|r| r["name"] == name).unwrap_or_else(|| panic!("{name}: {ranges:?}"));
+        assert_eq!(range["from"], serde_json::json!(["motor.no_load_current"]));
+        [&range["low"], &range["high"]].map(|end| end.as_f64().unwrap())
+    };
+    let [low, high] = of(&facts, "friction_loss");
+    assert_eq!(low, 0.0);
+    assert_relative_eq!(high, 10.0 * 0.02, max_relative = 1e-9);
+    let [low, high] = of(&facts, "damping");
+    assert_eq!(low, 0.0);
+    assert_relative_eq!(high, 100.0 * 0.02 / 400.0, max_relative = 1e-9);
+    assert_eq!(facts["ranges"].as_array().unwrap().len(), 2);
+    let draws = facts["draws"].as_array().unwrap();
+    let shares: Vec<f64> = draws.iter().map(|draw| draw["friction_loss"].as_f64().unwrap() / 0.2).collect();
+    for (share, draw) in shares.iter().zip(draws) {
+        assert_relative_eq!(draw["damping"].as_f64().unwrap(), (1.0 - share) * 0.005, max_relative = 1e-9);
+    }
+    assert!((shares.iter().sum::<f64>() / 200.0 - 0.5).abs() < 0.1 && shares.iter().any(|share| *share < 0.05));
+
+    // With a ± of the current the upper ends go with it.
+    let wider = before.replace("\"0.2 A\"\n", "\"0.2 A\"\nno_load_current_tolerance = \"10 %\"\n");
+    write(folder.path(), "f.toml", &format!("{wider}[effects.gear_compliance]{after}"));
+    let facts = json(&base, &["--ranges"]);
+    assert_relative_eq!(of(&facts, "friction_loss")[1], 0.22, max_relative = 1e-6);
+    assert_relative_eq!(of(&facts, "damping")[1], 0.0055, max_relative = 1e-6);
+}
+
 #[test]
 fn hostile_names_are_text_in_every_format() {
     for joint in ["a\"<script>&'--", "x\"\"\";import os", "b\\", "]]>", "#usda\u{2028}import os"] {

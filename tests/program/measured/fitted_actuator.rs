@@ -339,10 +339,30 @@ fn a_gear_and_orders_have_their_places() {
     // ∂η/∂γ = −1/1.25² = −0.64, ∂η_b/∂γ = −1.
     close(fit.covariance[0][0], 0.4096e-4);
     close(fit.covariance[0][1], 0.64e-4);
-    let expected: Vec<(String, f64)> =
-        ["cosine", "sine"].iter().map(|p| (format!("cogging.12.{p}"), 1.96e-4)).collect();
-    assert_eq!(fit.tolerances, expected);
-    checked(&bench, &[seen]);
+    let expected = [
+        ("gear.efficiency", 0.012544),
+        ("gear.backdrive_efficiency", 0.0196),
+        ("cogging.12.cosine", 1.96e-4),
+        ("cogging.12.sine", 1.96e-4),
+    ];
+    assert_eq!(fit.tolerances, expected.map(|(name, tolerance)| (name.to_string(), tolerance)));
+    let text = checked(&bench, &[seen]);
+    assert!(text.contains("efficiency = 0.8\nefficiency_tolerance = 0.012544\n"), "{text}");
+}
+
+/// The ± of a gear in a file without a covariance.
+#[test]
+fn the_tolerance_of_a_gear_is_read_without_a_covariance() {
+    let bench = bench(&[], 7.5);
+    let seen = report(Target::Torque, &[("load_dependent_friction.factor", 0.25, 0.01)]);
+    let text = text(&fitted_actuator(&bench, std::slice::from_ref(&seen)).unwrap(), &[seen]);
+    let (table, _) = text.split_once("[covariance]").unwrap();
+    let table = table.replace("_tolerance = 0.012544", "_tolerance = 0.04");
+    let Fitted::Motor(read) = back(&table) else { panic!("{table}") };
+    let fit = read.fit.unwrap();
+    assert!(fit.names.is_empty());
+    close(fit.tolerance("gear.efficiency").unwrap(), 0.04);
+    close(fit.tolerance("gear.backdrive_efficiency").unwrap(), 0.0196);
 }
 
 /// A number that a file cannot hold stays as declared: the file can be read.

@@ -20,7 +20,8 @@ pub struct Fit {
     pub entry: String,
     /// Version of the program that fitted it.
     pub version: String,
-    /// ± of effects' parameters by `effect.parameter`, of an order by `effect.order.parameter`, in their SI unit.
+    /// ± of effects' parameters by `effect.parameter`, of an order by `effect.order.parameter`, and of the gear's numbers by
+    /// `gear.column`, in their SI unit.
     pub tolerances: Vec<(String, f64)>,
     /// Numbers of the file that were fitted, in the order of `covariance`: `motor.resistance`, `gear.efficiency`,
     /// `effects.cogging.12.cosine`.
@@ -29,6 +30,13 @@ pub struct Fit {
     pub covariance: Vec<Vec<f64>>,
     /// The logs.
     pub provenance: Vec<Provenance>,
+}
+
+impl Fit {
+    /// The ± of a number by its name in [`Fit::tolerances`].
+    pub fn tolerance(&self, name: &str) -> Option<f64> {
+        self.tolerances.iter().find(|(other, _)| other == name).map(|(_, tolerance)| *tolerance)
+    }
 }
 
 /// A log that an actuator was fitted to, or judged on.

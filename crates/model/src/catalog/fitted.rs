@@ -7,7 +7,7 @@ pub use super::fit::{Fit, FittedGear, Provenance};
 
 use super::gear::{GEAR_FIELDS, Gear};
 use super::motor::Motor;
-use super::row::{self, Cells, MotorRow, TomlCells};
+use super::row::{self, Cells, MotorRow, Row, TomlCells};
 use super::sheet::{Printed, SourceKind};
 use crate::effects::{EFFECTS, Effect, FittedEffect, Named, Shape};
 use crate::input::kind::{self, FileKind};
@@ -173,7 +173,7 @@ fn read_root(root: &Section) -> Option<Fitted> {
         motor
     });
     let gear = root.section(key("gear", "numbers of the gear on the bench")).map(|section| {
-        let gear = read_gear(&section);
+        let gear = read_gear(&section, &mut fit);
         section.finish();
         gear
     });
@@ -252,11 +252,16 @@ fn read_tolerance(
     if relative { Some(tolerance * value?.abs()) } else { Some(tolerance) }
 }
 
-/// Columns of a gear that a fitted actuator has.
-const GEAR_COLUMNS: &[&str] = &["ratio", "efficiency", "backdrive_efficiency", "inertia"];
+/// Columns of a gear that a fitted actuator has, with that of the ± where there is one.
+const GEAR_COLUMNS: &[(&str, Option<&str>)] = &[
+    ("ratio", None),
+    ("efficiency", Some("efficiency_tolerance")),
+    ("backdrive_efficiency", Some("backdrive_efficiency_tolerance")),
+    ("inertia", Some("inertia_tolerance")),
+];
 
-/// The lines of `[gear]`.
-pub fn gear_text(fitted: &FittedGear) -> String {
+/// The lines of `[gear]`, with the ± of its numbers.
+pub fn gear_text(fitted: &FittedGear, fit: &Fit) -> String {
     let gear = Gear {
         ratio: fitted.ratio.unwrap_or(f64::NAN),
         efficiency: fitted.efficiency,
@@ -264,13 +269,28 @@ pub fn gear_text(fitted: &FittedGear) -> String {
         inertia: fitted.inertia,
         ..Gear::blank()
     };
-    row::numbers_text(&gear, GEAR_FIELDS.iter().filter(|f| GEAR_COLUMNS.contains(&f.name)))
+    let mut out = String::new();
+    for field in GEAR_FIELDS {
+        let Some((name, column)) = GEAR_COLUMNS.iter().find(|(name, _)| *name == field.name) else { continue };
+        if let Some(number) = (field.get)(gear.numbers()).filter(|number| number.value.is_finite()) {
+            let number = Printed { tolerance: fit.tolerance(&format!("gear.{name}")), ..number };
+            row::number_line(&mut out, name, *column, number, field.kind, gear.states(field));
+        }
+    }
+    out
 }
 
-fn read_gear(section: &Section) -> FittedGear {
+fn read_gear(section: &Section, fit: &mut Fit) -> FittedGear {
     let (cells, mut gear) = (TomlCells(section), Gear::blank());
-    row::numbers(&cells, &mut gear, GEAR_FIELDS.iter().filter(|f| GEAR_COLUMNS.contains(&f.name)));
+    let column = |name: &str| GEAR_COLUMNS.iter().find(|(column, _)| *column == name);
+    row::numbers(&cells, &mut gear, GEAR_FIELDS.iter().filter(|field| column(field.name).is_some()));
     row::check_gear(&cells, &gear);
+    for field in GEAR_FIELDS {
+        let Some((name, Some(tolerance))) = column(field.name) else { continue };
+        let value = (field.get)(gear.numbers()).map(|number| number.value);
+        let tolerance = read_tolerance(section, tolerance, field.kind, value);
+        fit.tolerances.extend(tolerance.map(|tolerance| (format!("gear.{name}"), tolerance)));
+    }
     FittedGear {
         efficiency: gear.efficiency,
         backdrive_efficiency: gear.backdrive_efficiency,

@@ -218,7 +218,7 @@ pub fn toleranced(motor: &Motor) -> Vec<Toleranced> {
     sheets.chain(fitted(motor)).collect()
 }
 
-/// The numbers of a fitted actuator beyond its sheet that have a tolerance. Those of its gear are two standard deviations of its covariance.
+/// Numbers of a fitted actuator beyond its sheet that have a tolerance: the stated one, else two standard deviations of the covariance.
 fn fitted(motor: &Motor) -> Vec<Toleranced> {
     let Some(fit) = &motor.fit else { return Vec::new() };
     let deviation = |name: &str| {
@@ -232,8 +232,9 @@ fn fitted(motor: &Motor) -> Vec<Toleranced> {
         for (parameter, of) in fitted.effect.parameters().iter().enumerate().take(fitted.values.len()) {
             let name = Named::new(fitted.effect, fitted.values.last().copied(), of.name).to_string();
             let column = format!("effects.{name}");
-            let stated = fit.tolerances.iter().find(|(other, _)| *other == name).map(|(_, tolerance)| *tolerance);
-            let Some(tolerance) = stated.or_else(|| deviation(&column)).filter(|t| *t > 0.0) else { continue };
+            let Some(tolerance) = fit.tolerance(&name).or_else(|| deviation(&column)).filter(|t| *t > 0.0) else {
+                continue;
+            };
             let is_signed = fitted.effect.is_signed() && parameter < linear;
             all.push(Toleranced {
                 column: column.into(),
@@ -250,7 +251,8 @@ fn fitted(motor: &Motor) -> Vec<Toleranced> {
     let mut gear = motor.fitted_gear.unwrap_or_default();
     for name in GEAR {
         let column = format!("gear.{name}");
-        let (Some(value), Some(tolerance)) = (*of_gear(&mut gear, name), deviation(&column)) else { continue };
+        let tolerance = fit.tolerance(&column).or_else(|| deviation(&column)).filter(|t| *t > 0.0);
+        let (Some(value), Some(tolerance)) = (*of_gear(&mut gear, name), tolerance) else { continue };
         let range = match *name {
             "efficiency" => [0.0, 1.0],
             "backdrive_efficiency" => [f64::NEG_INFINITY, 1.0],

@@ -8,7 +8,8 @@ use nalgebra::{DMatrix, DVector};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 
-use super::Numbers;
+use super::{NoLoad, Numbers, no_load_friction};
+use gearwise_model::catalog::drag::Drag;
 use gearwise_model::catalog::{FIELDS, Field, Motor};
 use gearwise_model::effects::{Effect, Named};
 
@@ -79,11 +80,18 @@ struct Uncertain<'a> {
 }
 
 impl Spread {
-    /// Ranges of a joint, and `draws` draws of it, where `of` has the joint's numbers with another motor. `None` where no
-    /// number of the motor has a ±; a module's row has none.
+    /// Ranges of a joint, and `draws` draws of it, where `of` has the joint's numbers with another motor. `None` where no number of the
+    /// motor has a ± and its drag is known; a module's row has none.
     pub fn new(motor: &Motor, draws: usize, of: impl Fn(&Motor) -> Option<Numbers>) -> Option<Spread> {
-        let uncertain = Uncertain::new(motor)?;
-        let ranges = uncertain.ranges(&of);
+        let uncertain = Uncertain::new(motor);
+        let mut ranges = uncertain.ranges(&of);
+        let is_split = Split::of(motor).is_some();
+        let friction = uncertain.friction(&of);
+        ranges.retain(|range| friction.iter().all(|of| of.name != range.name));
+        ranges.extend(friction);
+        if uncertain.names.is_empty() && !is_split {
+            return None;
+        }
         let draws = uncertain.draws(draws, &of);
         Some(Spread { ranges, draws, is_correlated: uncertain.is_correlated })
     }
@@ -94,11 +102,41 @@ impl Spread {
     }
 }
 
-impl<'a> Uncertain<'a> {
-    fn new(motor: &'a Motor) -> Option<Uncertain<'a>> {
-        if motor.inside.is_some() {
-            return None;
+/// Drag without load of which only the sum is known: Coulomb friction up to all of it, the rest viscous.
+#[derive(Clone, Copy)]
+struct Split {
+    /// All of it \[N·m\].
+    torque: f64,
+    /// The speed \[rad/s\] at which it is known; `None` where that is not known or the torque is an upper bound.
+    speed: Option<f64>,
+    /// Number that it comes from.
+    from: &'static str,
+}
+
+impl Split {
+    fn of(motor: &Motor) -> Option<Split> {
+        // The numbers inside a module are none of its row.
+        let (NoLoad::AtMost(_), None) = (no_load_friction(motor), &motor.inside) else { return None };
+        match motor.drag() {
+            Drag::NoLoad { torque, speed } => Some(Split { torque, speed, from: "motor.no_load_current" }),
+            Drag::Estimated { torque } => Some(Split { torque, speed: None, from: "motor.drag (estimated)" }),
+            Drag::Declared | Drag::Unknown => None,
         }
+        .filter(|split| split.torque > 0.0)
+    }
+
+    /// The motor with a share of the drag that is not Coulomb friction.
+    fn motor(self, motor: &Motor, share: f64) -> Motor {
+        Motor {
+            coulomb_friction: Some((1.0 - share) * self.torque),
+            viscous_friction: self.speed.map(|speed| share * self.torque / speed).or(motor.viscous_friction),
+            ..motor.clone()
+        }
+    }
+}
+
+impl<'a> Uncertain<'a> {
+    fn new(motor: &'a Motor) -> Uncertain<'a> {
         let fit = motor.fit.as_ref();
         let covariance_of = |name: &str| fit.and_then(|fit| fit.names.iter().position(|n| n == name));
         let mut found = Vec::new();
@@ -118,7 +156,7 @@ impl<'a> Uncertain<'a> {
             let effect: &'static dyn Effect = fitted_effect.effect;
             for (j, (parameter, value)) in effect.parameters().iter().zip(&fitted_effect.values).enumerate() {
                 let within = Named::new(effect, fitted_effect.values.last().copied(), parameter.name).to_string();
-                let tolerance = fit.and_then(|fit| fit.tolerances.iter().find(|(n, _)| *n == within)).map(|(_, t)| *t);
+                let tolerance = fit.and_then(|fit| fit.tolerance(&within));
                 let name = format!("effects.{within}");
                 let fitted = covariance_of(&name);
                 found.push(Found { name, place: Place::Effect(k, j), value: *value, tolerance, fitted });
@@ -127,12 +165,13 @@ impl<'a> Uncertain<'a> {
         for (k, (name, value)) in gear_numbers(motor).into_iter().enumerate() {
             let Some(value) = value else { continue };
             let name = format!("gear.{name}");
-            let fitted = covariance_of(&name);
-            found.push(Found { name, place: Place::Gear(k), value, tolerance: None, fitted });
+            let (tolerance, fitted) = (fit.and_then(|fit| fit.tolerance(&name)), covariance_of(&name));
+            found.push(Found { name, place: Place::Gear(k), value, tolerance, fitted });
         }
         found.retain(|f| f.tolerance.is_some_and(|t| t > 0.0) || f.fitted.is_some());
-        if found.is_empty() {
-            return None;
+        // The numbers inside a module have no ± of their own.
+        if motor.inside.is_some() {
+            found.clear();
         }
         let n = found.len();
         let mut covariance = DMatrix::zeros(n, n);
@@ -147,14 +186,14 @@ impl<'a> Uncertain<'a> {
                 };
             }
         }
-        Some(Uncertain {
+        Uncertain {
             motor,
             is_correlated: found.iter().filter(|f| f.fitted.is_some()).count() > 1,
             values: DVector::from_iterator(n, found.iter().map(|f| f.value)),
             places: found.iter().map(|f| f.place).collect(),
             names: found.into_iter().map(|f| f.name).collect(),
             covariance,
-        })
+        }
     }
 
     fn error(&self, k: usize) -> f64 {
@@ -265,16 +304,50 @@ impl<'a> Uncertain<'a> {
         ranges
     }
 
+    /// Ranges of viscous and Coulomb friction at the joint where the motor's drag is known as a sum: those of either end of the split.
+    fn friction(&self, of: &impl Fn(&Motor) -> Option<Numbers>) -> Vec<Ranged> {
+        let Some(split) = Split::of(self.motor) else { return Vec::new() };
+        let ends = [0.0, 1.0].map(|share| {
+            let of_end = |motor: &Motor| of(&Split::of(motor)?.motor(motor, share));
+            (of_end(self.motor), self.ranges(&of_end))
+        });
+        let mut found = Vec::new();
+        for name in ["damping", "friction_loss"] {
+            let mut all = Ranged { name, low: f64::INFINITY, high: 0.0, from: Vec::new() };
+            for (numbers, ranges) in &ends {
+                let value = numbers.iter().flatten().find(|(other, _)| *other == name).and_then(|(_, value)| *value);
+                let range = ranges.iter().find(|range| range.name == name);
+                let [low, high] = range.map_or([value.unwrap_or(0.0); 2], |range| [range.low, range.high]);
+                (all.low, all.high) = (all.low.min(low), all.high.max(high));
+                all.from.extend(range.into_iter().flat_map(|range| range.from.clone()));
+            }
+            if all.low < all.high {
+                all.from.insert(0, split.from.into());
+                all.from.dedup();
+                found.push(all);
+            }
+        }
+        found
+    }
+
     fn draws(&self, count: usize, of: &impl Fn(&Motor) -> Option<Numbers>) -> Vec<Vec<(&'static str, f64)>> {
         // A root of the covariance, whatever rounding made of its rank.
-        let eigen = self.covariance.clone().symmetric_eigen();
-        let root = &eigen.eigenvectors * DMatrix::from_diagonal(&eigen.eigenvalues.map(|v| v.max(0.0).sqrt()));
+        let root = if self.values.is_empty() {
+            DMatrix::zeros(0, 0)
+        } else {
+            let eigen = self.covariance.clone().symmetric_eigen();
+            &eigen.eigenvectors * DMatrix::from_diagonal(&eigen.eigenvalues.map(|v| v.max(0.0).sqrt()))
+        };
         let mut generator = Pcg64::seed_from_u64(SEED);
         let mut draws = Vec::new();
         for _ in 0..count {
             let drawn = (0..TRIES).find_map(|_| {
                 let normal = DVector::from_fn(self.values.len(), |_, _| normal(&mut generator));
-                let numbers = of(&self.with(&(&self.values + &root * normal))?)?;
+                let motor = self.with(&(&self.values + &root * normal))?;
+                let numbers = match Split::of(&motor) {
+                    Some(split) => of(&split.motor(&motor, uniform(&mut generator)))?,
+                    None => of(&motor)?,
+                };
                 Some(numbers.iter().filter_map(|(name, value)| Some((*name, (*value)?))).collect())
             });
             draws.extend(drawn);
@@ -292,9 +365,13 @@ fn gear_numbers(motor: &Motor) -> [(&'static str, Option<f64>); 3] {
     ]
 }
 
+/// A number between 0 and 1.
+fn uniform(generator: &mut Pcg64) -> f64 {
+    ((generator.next_u64() >> 11) as f64 + 0.5) * 2.0_f64.powi(-53)
+}
+
 /// A number of the standard normal distribution (Box and Muller).
 fn normal(generator: &mut Pcg64) -> f64 {
-    let mut unit = || ((generator.next_u64() >> 11) as f64 + 0.5) * 2.0_f64.powi(-53);
-    let (a, b) = (unit(), unit());
+    let (a, b) = (uniform(generator), uniform(generator));
     (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()
 }
