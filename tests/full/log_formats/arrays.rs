@@ -247,6 +247,18 @@ fn a_file_that_is_not_what_its_name_says_is_refused() {
     good(BENCH, "PAR1.txt", &csv.map(|b| b)[..]);
 }
 
+/// A page that needs a dictionary and has none makes the library panic.
+#[test]
+fn a_parquet_file_at_which_the_library_panics_is_refused() {
+    let found = include_bytes!("../../../fuzz/found/parquet/page-without-its-dictionary");
+    refused(
+        BENCH,
+        "log.parquet",
+        &found[1..],
+        &["it cannot be read", "its pages contradict one another", "cut off or damaged"],
+    );
+}
+
 /// Wherever a file is cut off, and whichever byte is another: an error with its file, or the same values.
 #[test]
 fn a_damaged_file_is_refused_or_read_as_it_was() {

@@ -1,6 +1,9 @@
 //! Columns of a Parquet file.
 
+use std::cell::Cell;
 use std::fs::File;
+use std::panic::{AssertUnwindSafe, catch_unwind, set_hook, take_hook};
+use std::sync::Once;
 
 use parquet::basic::{Compression, ConvertedType, LogicalType, Type as Physical};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
@@ -27,7 +30,7 @@ pub fn read(file: &File, asked: &Asked) -> Result<Loaded, Vec<Problem>> {
     let bytes = file.metadata().map_or(0, |m| m.len());
     let mut room = limits::log_numbers(bytes);
     let file = file.try_clone().map_err(|e| damaged(ParquetError::from(e)))?;
-    let reader = SerializedFileReader::new(file).map_err(damaged)?;
+    let reader = guarded(|| SerializedFileReader::new(file)).map_err(damaged)?;
     let schema = reader.metadata().file_metadata().schema_descr_ptr();
     let header: Vec<String> = schema.columns().iter().map(|c| c.path().string()).collect();
     let needed: Vec<usize> = (0..header.len()).filter(|k| asked.names.contains(&header[*k].as_str())).collect();
@@ -53,7 +56,7 @@ pub fn read(file: &File, asked: &Asked) -> Result<Loaded, Vec<Problem>> {
             continue;
         }
         let mut values = Vec::new();
-        let mut read = || -> Result<Series, ParquetError> {
+        let read = || -> Result<Series, ParquetError> {
             let mut texts: Option<Vec<String>> = None;
             for group in 0..groups.len() {
                 let group = reader.get_row_group(group)?;
@@ -61,7 +64,7 @@ pub fn read(file: &File, asked: &Asked) -> Result<Loaded, Vec<Problem>> {
             }
             Ok(texts.map_or_else(|| Series::Numbers(std::mem::take(&mut values)), Series::Texts))
         };
-        match read() {
+        match guarded(read) {
             Ok(column) if column.len() == rows => series[at] = Some(column),
             Ok(column) => {
                 let what = format!("it has {} values, the file has {rows} rows", column.len());
@@ -74,6 +77,27 @@ pub fn read(file: &File, asked: &Asked) -> Result<Loaded, Vec<Problem>> {
         }
     }
     if problems.is_empty() { Ok(Loaded { header, series, rows, latest: Vec::new() }) } else { Err(problems) }
+}
+
+/// Run a part of the library, which panics on some damaged files. Nothing of such a panic is printed.
+///
+/// # Errors
+/// Its own, and that it panicked.
+fn guarded<T>(read: impl FnOnce() -> Result<T, ParquetError>) -> Result<T, ParquetError> {
+    thread_local!(static IS_QUIET: Cell<bool> = const { Cell::new(false) });
+    static HOOK: Once = Once::new();
+    HOOK.call_once(|| {
+        let before = take_hook();
+        set_hook(Box::new(move |panic| {
+            if !IS_QUIET.get() {
+                before(panic);
+            }
+        }));
+    });
+    IS_QUIET.set(true);
+    let result = catch_unwind(AssertUnwindSafe(read));
+    IS_QUIET.set(false);
+    result.unwrap_or_else(|_| Err(ParquetError::General("its pages contradict one another".into())))
 }
 
 /// Why a way of packing is not read, and what to do. Those that are, are written in Rust throughout.
