@@ -403,7 +403,8 @@ impl fmt::Display for InputError {
                 .with_label(Label::primary((), span).with_message(label))
                 .with_notes(help.into_iter().collect());
             let text = term::emit_into_string(&config, &file, &diagnostic).map_err(|_| fmt::Error)?;
-            f.write_str(&text)?;
+            // Those left belong to line ends, which a label over several lines shows.
+            f.write_str(&text.replace('\r', ""))?;
         }
         let hidden = self.problems.len().saturating_sub(MAX_SHOWN);
         if hidden > 0 {
