@@ -66,7 +66,8 @@ fn compare(case: &Case, convex: bool, tell: bool) -> Verdict {
                     let forbidden = [(low.limit, at_least * (1.0 - NARROW)), (high.limit, at_most * (1.0 + NARROW))];
                     at_least > at_most && forbidden.iter().all(|(limit, n)| filled(limit, *n) > 1.0)
                 }
-                Nowhere { .. } => !convex,
+                // Standstill falls in steps of the ratio, which no other limit of a convex program does.
+                Nowhere { .. } => !convex || case.has_slow_motion(),
             };
             v.apart.push(("cause", f64::from(!holds), 0.0));
             v.binding.push(scan.least.1);
@@ -109,7 +110,8 @@ fn compare_designs(case: &Case, convex: bool, design: &Solved, scan: &Scan, v: &
     near("violation at N*", case.worst(n).0, CLOSE);
     // Windows, and what ends them: beyond the end the limit that is named must be exceeded.
     let theirs: Vec<f64> = optimum.windows.iter().flat_map(|w| [w.min, w.max]).collect();
-    near("windows", f64::from(theirs.len() != 2 * scan.windows.len() || convex && theirs.len() > 2), 0.0);
+    let is_one = !convex || case.has_slow_motion() || theirs.len() <= 2;
+    near("windows", f64::from(theirs.len() != 2 * scan.windows.len() || !is_one), 0.0);
     for (a, b) in scan.windows.iter().flatten().zip(theirs).filter(|_| optimum.windows.len() == scan.windows.len()) {
         near("window end", (a / b - 1.0).abs(), NARROW);
     }
