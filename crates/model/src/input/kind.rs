@@ -168,7 +168,14 @@ fn xml(text: &str) -> Option<(FileKind, String)> {
     Some((kind, format!("root element `{root}`")))
 }
 
+/// The first line that is neither blank nor a comment.
+fn first_line(source: &Source) -> Option<&str> {
+    source.text().lines().find(|line| !line.starts_with('#') && !line.trim().is_empty())
+}
+
 fn toml(source: &Source) -> Option<(FileKind, String)> {
+    // The parser takes some 25 times the memory of a table to find that it is no TOML.
+    first_line(source).filter(|line| line.contains('=') || line.trim_start().starts_with(['[', '#']))?;
     let (table, errors) = DeTable::parse_recoverable(source.text());
     let table = table.get_ref();
     if !errors.is_empty() || table.is_empty() {
@@ -208,7 +215,7 @@ fn toml(source: &Source) -> Option<(FileKind, String)> {
 }
 
 fn table(source: &Source) -> Option<(FileKind, String)> {
-    let header = source.text().lines().find(|l| !l.starts_with('#') && !l.trim().is_empty())?;
+    let header = first_line(source)?;
     if header.contains('=') || header.starts_with('[') || !header.contains(',') {
         return None;
     }
