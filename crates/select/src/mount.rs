@@ -177,7 +177,7 @@ pub fn load_through(joint: &Joint, gear: Option<&Gear>) -> Load {
 
 /// The load of a joint with an inertia at the output \[kg·m²\] that the gear's efficiency covers.
 pub(crate) fn load_covering(joint: &Joint, covered: Option<f64>) -> Load {
-    let sprung = (joint.limits.spring.is_some()).then(|| Motion { sprung: true, ..Motion::clone(&joint.motion) });
+    let sprung = joint.limits.spring.is_some().then(|| Motion { sprung: true, ..Motion::clone(&joint.motion) });
     let motion = sprung.as_ref().unwrap_or(&joint.motion);
     let make = || Load::with_inertia(motion, joint.ripple(), covered.unwrap_or(0.0));
     let is_plain = covered.is_none() && joint.ripple().is_none();

@@ -77,17 +77,17 @@ pub fn log(bytes: &[u8]) {
     log_of("log.csv", bytes);
 }
 
-/// The same of a recording of ROS 2.
+/// A recording of ROS 2 of any bytes, as [`log`].
 pub fn mcap(bytes: &[u8]) {
     log_of("log.mcap", bytes);
 }
 
-/// The same of a NumPy archive.
+/// A NumPy archive of any bytes, as [`log`].
 pub fn npz(bytes: &[u8]) {
     log_of("log.npz", bytes);
 }
 
-/// The same of a Parquet file.
+/// A Parquet file of any bytes, as [`log`].
 pub fn parquet(bytes: &[u8]) {
     log_of("log.parquet", bytes);
 }

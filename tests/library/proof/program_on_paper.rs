@@ -210,7 +210,8 @@ fn prices_of_evaluated_programs_are_differences() {
     assert!(checked > 6 && free > 5, "{checked} {free}");
 }
 
-/// Convex programs are proved by duality, in pieces where the heat at standstill depends on the ratio, others along 1/N or by branch and bound, all tightly; the windows are the scan's.
+/// Convex programs are proved by duality, in pieces where the heat at standstill depends on the ratio, others along 1/N or by branch
+/// and bound, all tightly; the windows are the scan's.
 #[test]
 fn certificates_say_how_and_are_tight() {
     let others: &[&str] = &["branch and bound", "convex in 1/N"];

@@ -312,7 +312,7 @@ impl Run {
             Some(pass) => pass,
             None => fastest.iter().position(|begins| *begins).unwrap_or(0),
         };
-        // Stays and parts begin anew there, so that a period that is written down several times has those of one.
+        // A new stay and a new part begin here, so that a period written several times has the stays of one.
         let is_anew = |i: usize| is_periodic && fastest[i] && !passes.contains(&true);
         let place = |k: usize| ((first + k) % count, if first + k < count { 0.0 } else { way });
         let mut z = Complex::ZERO;

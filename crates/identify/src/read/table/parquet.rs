@@ -82,7 +82,7 @@ pub fn read(file: &File, asked: &Asked) -> Result<Loaded, Vec<Problem>> {
 /// Run a part of the library, which panics on some damaged files. Nothing of such a panic is printed.
 ///
 /// # Errors
-/// Its own, and that it panicked.
+/// The error of the part, or one that stands for its panic.
 fn guarded<T>(read: impl FnOnce() -> Result<T, ParquetError>) -> Result<T, ParquetError> {
     thread_local!(static IS_QUIET: Cell<bool> = const { Cell::new(false) });
     static HOOK: Once = Once::new();
