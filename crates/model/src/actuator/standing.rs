@@ -305,15 +305,16 @@ impl Run {
         let ends = |(low, high): (f64, f64), q: &f64| (low.min(*q), high.max(*q));
         let (low, high) = self.position.iter().fold((0.0, 0.0), ends);
         // One stay of everything that begins again with the period.
-        let is_one = !passes.contains(&true) && (kappa * (high - low) <= WIDEST || !even.contains(&false));
+        let first_pass = passes.iter().position(|passes| *passes);
+        let is_one = first_pass.is_none() && (kappa * (high - low) <= WIDEST || !even.contains(&false));
         let fastest = self.begins_fastest();
-        let first = match passes.iter().position(|passes| *passes) {
+        let first = match first_pass {
             _ if !is_periodic => 0,
             Some(pass) => pass,
             None => fastest.iter().position(|begins| *begins).unwrap_or(0),
         };
         // A new stay and a new part begin here, so that a period written several times has the stays of one.
-        let is_anew = |i: usize| is_periodic && fastest[i] && !passes.contains(&true);
+        let is_anew = |i: usize| is_periodic && fastest[i] && first_pass.is_none();
         let place = |k: usize| ((first + k) % count, if first + k < count { 0.0 } else { way });
         let mut z = Complex::ZERO;
         if is_periodic && is_one {

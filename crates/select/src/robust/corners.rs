@@ -226,15 +226,16 @@ fn fitted(motor: &Motor) -> Vec<Toleranced> {
         let variance = *fit.covariance.get(place)?.get(place)?;
         (variance > 0.0).then(|| 2.0 * variance.sqrt())
     };
+    let tolerance = |name: &str, column: &str| {
+        fit.tolerance(name).or_else(|| deviation(column)).filter(|tolerance| *tolerance > 0.0)
+    };
     let mut all = Vec::new();
     for (instance, fitted) in motor.effects.iter().enumerate() {
         let linear = fitted.effect.linear();
         for (parameter, of) in fitted.effect.parameters().iter().enumerate().take(fitted.values.len()) {
             let name = Named::new(fitted.effect, fitted.values.last().copied(), of.name).to_string();
             let column = format!("effects.{name}");
-            let Some(tolerance) = fit.tolerance(&name).or_else(|| deviation(&column)).filter(|t| *t > 0.0) else {
-                continue;
-            };
+            let Some(tolerance) = tolerance(&name, &column) else { continue };
             let is_signed = fitted.effect.is_signed() && parameter < linear;
             all.push(Toleranced {
                 column: column.into(),
@@ -251,8 +252,7 @@ fn fitted(motor: &Motor) -> Vec<Toleranced> {
     let mut gear = motor.fitted_gear.unwrap_or_default();
     for name in GEAR {
         let column = format!("gear.{name}");
-        let tolerance = fit.tolerance(&column).or_else(|| deviation(&column)).filter(|t| *t > 0.0);
-        let (Some(value), Some(tolerance)) = (*of_gear(&mut gear, name), tolerance) else { continue };
+        let (Some(value), Some(tolerance)) = (*of_gear(&mut gear, name), tolerance(&column, &column)) else { continue };
         let range = match *name {
             "efficiency" => [0.0, 1.0],
             "backdrive_efficiency" => [f64::NEG_INFINITY, 1.0],

@@ -16,7 +16,7 @@ pub use cells::{Cells, CsvCells, TomlCells};
 pub use motor::{Convention, MotorRow};
 pub(super) use read::{check_gear, gear, module, motor, numbers, point};
 pub use write::text;
-pub use write::{csv_text, numbers_text, toml_text};
+pub use write::{csv_text, toml_text};
 pub use write::{number_line, quoted, say};
 
 use super::offer::Sold;

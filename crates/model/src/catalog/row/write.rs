@@ -114,15 +114,15 @@ pub fn toml_text<R: Row>(row: &R) -> String {
         }
     };
     others(&mut out, R::BEFORE);
-    out.push_str(&numbers_text(row, R::fields().iter()));
+    out.push_str(&numbers_text(row));
     others(&mut out, R::AFTER);
     out
 }
 
 /// Numbers of a row as the lines of a table of TOML.
-pub fn numbers_text<R: Row>(row: &R, fields: impl Iterator<Item = &'static Field<R::Numbers>>) -> String {
+fn numbers_text<R: Row>(row: &R) -> String {
     let mut out = String::new();
-    for field in fields {
+    for field in R::fields() {
         if let Some(number) = (field.get)(row.numbers()).filter(|n| n.value.is_finite()) {
             number_line(&mut out, field.name, field.tolerance, number, field.kind, row.states(field));
         }
