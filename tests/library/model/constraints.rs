@@ -180,6 +180,94 @@ fn a_hold_of_a_module_is_judged_by_its_table_at_standstill() {
     }
 }
 
+/// A joint that does its points once, from cold.
+fn once(table: &str, bus: &str, torque: f64, limits: &str) -> Robot {
+    robot(&format!(
+        "name = 'x'\nambient = {{ temperature = '25 degC' }}\nbus = {{ voltage = '48 V'{bus} }}\n[[joint]]\nname = 'j'\n{table}ratio = {{ min = 9, max = 9 }}\nobjective = 'copper_loss'\norder = [{{ case = 'hold', count = 1 }}]\nperiodic = false\nlimits = {{ {limits} }}\n[[joint.case]]\nname = 'hold'\npoints = [{{ torque = '{torque} N*m', speed = '1 rad/s', duration = '40000 s' }}]\n"
+    ))
+}
+
+/// Whether the only motor or module of a table leaves heat over the motion open at N = 9.
+fn heat_is_open(robot: &Robot, table: &str) -> bool {
+    let catalog = catalog(table).with_modules([&"*".to_string()].into_iter(), |m| m);
+    let joint = &robot.joints[0];
+    let load = Load::new(&joint.motion, joint.ripple());
+    let prepared = Prepared::new(Mount::new(robot, joint, &load, &catalog.motors[0]).candidate().unwrap());
+    let unchecked = prepared.unchecked_at(9.0);
+    unchecked.iter().any(|(name, _)| ["winding_peak_temperature", "module_heat"].contains(name))
+}
+
+#[test]
+fn a_reserve_is_kept_of_heat_that_is_judged_at_the_ratio() {
+    // 1 Ω at 25 °C and R_th = 3 K/W: of 75 K of rise 60 K, at the resistance there.
+    let columns = ",thermal_resistance_winding_housing [K/W],thermal_resistance_housing_ambient [K/W],max_winding_temperature [degC],reference_temperature [degC]";
+    let table = motor(columns, ",1,2,100,25");
+    let resistance = |rise: f64| 1.0 + 0.003_93 / (1.0 + 0.003_93 * 5.0) * rise;
+    let torque = |rise: f64| 0.1 * 9.0 * (rise / (3.0 * resistance(rise))).sqrt();
+    for (limits, rise) in [("", 75.0), ("reserve = { all = 0.2 }", 60.0)] {
+        for (share, open) in [(0.9999, false), (1.0001, true)] {
+            let robot = once("", "", share * torque(rise), limits);
+            assert_eq!(heat_is_open(&robot, &table), open, "{limits} {share}");
+        }
+    }
+    // A rating gives its share of heat, a module its share of torque.
+    let rated = motor(",continuous_current [A]", ",4");
+    let share = 0.8_f64.sqrt();
+    for (torque, open) in [(0.9999 * 3.6 * share, false), (1.0001 * 3.6 * share, true)] {
+        assert_eq!(heat_is_open(&once("", "", torque, "reserve = { all = 0.2 }"), &rated), open, "{torque}");
+    }
+    for (torque, open) in [(15.99, false), (16.01, true)] {
+        let robot = once("modules = ['*']\n", "", torque, "reserve = { all = 0.2 }");
+        assert_eq!(heat_is_open(&robot, &module("", "")), open, "{torque}");
+    }
+    // Heat that repeats is no higher than the reserve of temperature lets it, though nothing follows it.
+    let limits = "limits = { reserve = { winding_peak_temperature = 0.2 } }\n";
+    let points = format!("{{ torque = '{} N*m', speed = '1 rad/s', duration = '1 s' }}", torque(60.0));
+    let found = margin(&at(&joint("voltage = '48 V'", limits, &points), &table, 9.0), "winding_temperature");
+    assert_relative_eq!(found.1, 0.0, epsilon = 1e-9);
+}
+
+#[test]
+fn a_limit_on_power_that_comes_back_is_dropped_for_a_stricter_one_alone() {
+    // 48.6 V on 0.5 Ω: 58.32 W may come back, less a fifth, which is less than 55 W.
+    let table = motor(",continuous_current [A]", ",50");
+    let points = "{ torque = '-6 N*m', speed = '10 rad/s', duration = '1 s' }";
+    for (regeneration, reserve, asked) in [
+        ("", 0.2, true),
+        (", regeneration = '55 W'", 0.2, true),
+        (", regeneration = '55 W'", 0.0, false),
+        (", regeneration = '60 W'", 0.0, true),
+        (", regeneration = 'dissipated', brake_power = '20 W'", 0.2, false),
+    ] {
+        let bus = format!("voltage = '48 V', internal_resistance = '0.5 ohm', max_voltage = '48.6 V'{regeneration}");
+        let limits = format!("limits = {{ reserve = {{ bus_overvoltage = {reserve} }} }}\n");
+        let found = at(&joint(&bus, &limits, points), &table, 10.0);
+        let bound = found.margins.iter().find(|m| m.limit == "bus_overvoltage").map(|m| m.bound);
+        assert_eq!(bound.is_some(), asked, "{regeneration} {reserve}");
+        if let Some(bound) = bound {
+            assert_relative_eq!(bound, 48.6 * 0.6 / 0.5 * (1.0 - reserve), max_relative = 1e-9);
+        }
+    }
+}
+
+#[test]
+fn a_reserve_narrows_the_supply_range_of_a_module_at_both_ends() {
+    let points = "{ torque = '5 N*m', speed = '1 rad/s', duration = '1 s' }";
+    let (low, high) = (20.0, 60.0);
+    let table = module("", "");
+    let (head, row) = table.trim_end().split_once('\n').unwrap();
+    let table = format!("{head},min_voltage [V],max_voltage [V]\n{row},{low},{high}\n");
+    let found = |volt: f64, reserve: f64| {
+        let limits = format!("modules = ['*']\nlimits = {{ reserve = {{ supply_range = {reserve} }} }}\n");
+        let found = at(&joint(&format!("voltage = '{volt} V'"), &limits, points), &table, 9.0);
+        found.margins.iter().find(|m| m.limit == "supply_range").map(|m| m.margin)
+    };
+    assert_eq!((found(low, 0.0), found(high, 0.0)), (None, None));
+    assert_relative_eq!(found(high, 0.2).unwrap(), 1.0 - 1.0 / 0.8, max_relative = 1e-9);
+    assert_relative_eq!(found(low, 0.2).unwrap(), 1.0 - 1.0 / 0.8, max_relative = 1e-9);
+    assert_eq!((found(low / 0.79, 0.2), found(high * 0.79, 0.2)), (None, None));
+}
+
 #[test]
 fn a_module_bears_less_in_hot_surroundings() {
     let points = "{ torque = '9.5 N*m', speed = '3 rad/s', duration = '1 s' }";

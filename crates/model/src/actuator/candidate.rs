@@ -490,10 +490,15 @@ impl Candidate<'_> {
     /// Rms current that heats the winding to its limit in steady state \[A\]; zero where ambient is
     /// too hot already.
     pub fn thermal_current(&self) -> Option<(f64, &'static str)> {
+        self.current_for(1.0)
+    }
+
+    /// The same for a share of the rise to the limit.
+    pub(super) fn current_for(&self, share: f64) -> Option<(f64, &'static str)> {
         let (limit, owner) = self.winding_temperature();
         let motor = self.motor;
         let squared = thermal::allowed_current_squared(
-            limit,
+            limit - (1.0 - share) * (limit - self.robot.ambient),
             motor.resistance,
             motor.reference_temperature,
             self.thermal_resistance()?,
@@ -506,13 +511,19 @@ impl Candidate<'_> {
     /// current, its continuous torque, and its thermal resistances with a highest temperature: the least of what they
     /// say. `None` where there is none, and nothing can be said of heat.
     pub fn steady_current(&self) -> Option<f64> {
+        self.steady_current_for(1.0)
+    }
+
+    /// The same for a share of the rise to the limit; of a rating the same share of its heat.
+    pub(super) fn steady_current_for(&self, share: f64) -> Option<f64> {
         let of_torque = |torque: f64| match self.actuator.shortfall.saturates() {
             true => self.actuator.shortfall.current_squared(torque * torque).0.sqrt(),
             false => torque * self.actuator.rms_current_per_torque(),
         };
-        let rated = self.continuous_torque().map(of_torque);
-        let told = [self.continuous_current(), rated, self.thermal_current().map(|(i, _)| i)];
-        told.into_iter().flatten().reduce(f64::min)
+        let rated = [self.continuous_current(), self.continuous_torque().map(of_torque)];
+        let rated = rated.map(|current| current.map(|i| i * share.sqrt()));
+        let told = rated.into_iter().chain([self.current_for(share).map(|(i, _)| i)]);
+        told.flatten().reduce(f64::min)
     }
 }
 

@@ -4,7 +4,6 @@ use super::limit::*;
 use crate::actuator::candidate::Candidate;
 use crate::actuator::supply::Drawn;
 use crate::actuator::waveform::Functional;
-use crate::requirement::Robot;
 
 /// Limits, in the order in which they are reported.
 pub(super) const LIMITS: &[Limit] = &[
@@ -67,7 +66,7 @@ pub(super) const LIMITS: &[Limit] = &[
         depends: Depends::PowerBack,
         stated: |robot, _| robot.bus.max_voltage.is_some(),
         key: |_| Some(Key::Robot(&["bus", "max_voltage"])),
-        prepare: |c| back(c, lifting(c.robot, c.supply_resistance())),
+        prepare: |c| back(c, lifting(c)),
     },
 ];
 
@@ -77,13 +76,16 @@ fn back(candidate: &Candidate, bound: Option<f64>) -> Prepared {
     bound.map_or(Prepared::NotAsked, |bound| plain(Demand::Samples(Functional::PowerBack), efficiency, bound, "bus"))
 }
 
-/// What lifts the bus to its highest voltage with a resistance to the drive \[Ω\], and what a brake takes on top \[W\]; `None`
-/// where the supply does not take as much.
-fn lifting(robot: &Robot, resistance: f64) -> Option<f64> {
-    let bus = &robot.bus;
+/// Power that lifts the bus to its highest voltage, with that of a brake on top \[W\]; `None` where `regeneration` allows no more
+/// than that, each less its reserve, or nothing reaches the supply.
+fn lifting(c: &Candidate) -> Option<f64> {
+    let (bus, resistance) = (&c.robot.bus, c.supply_resistance());
     let most = bus.max_voltage.filter(|_| resistance > 0.0)?;
-    let lifted = most * (most - bus.voltage) / resistance;
-    (bus.goes_back() > lifted).then(|| lifted + bus.brake_power.unwrap_or(0.0))
+    let of_brake = bus.brake_power.unwrap_or(0.0);
+    let (lifted, comes_back) = (most * (most - bus.voltage) / resistance + of_brake, bus.goes_back() + of_brake);
+    let kept = |limit: &str| 1.0 - c.joint.limits.reserve(limit);
+    let is_less = comes_back * kept("regeneration") <= lifted * kept("bus_overvoltage");
+    (bus.goes_back() > 0.0 && !is_less).then_some(lifted)
 }
 
 /// The largest power that a joint draws, over `per` in the unit of the bound. A bound below zero, where standby alone takes more than there

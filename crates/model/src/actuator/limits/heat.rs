@@ -17,6 +17,14 @@ const NO_RESISTANCES: &str = "the motor's thermal resistances are not known";
 /// Holding at standstill.
 pub(super) const STANDSTILL: &str = "standstill_holding";
 
+/// Temperature over the motion.
+const PEAK: &str = "winding_peak_temperature";
+
+/// The share of the rise to the highest temperature that the winding may have over the motion: what the reserve leaves.
+fn share_of_rise(c: &Candidate) -> f64 {
+    1.0 - c.joint.limits.reserve(PEAK)
+}
+
 /// Limits, in the order in which they are reported.
 pub(super) const LIMITS: &[Limit] = &[
     Limit {
@@ -34,13 +42,19 @@ pub(super) const LIMITS: &[Limit] = &[
             _ if c.load.starts_cold() && c.winding_temperature().0 > c.robot.ambient => Prepared::NotAsked,
             // Heat without durations is looked at over the motion, as of the hottest point for ever.
             Some(_) if !c.load.has_durations => Prepared::NotAsked,
-            Some((bound, owner)) => heating(c, 0.0, bound, owner),
+            Some((bound, owner)) => {
+                // A winding that is not followed over the motion has its reserve of temperature here.
+                let not_followed = c.two_node().is_none() || !c.load.has_course();
+                let reserved = c.current_for(share_of_rise(c)).filter(|_| not_followed);
+                let left = 1.0 - c.joint.limits.reserve("winding_temperature");
+                heating(c, 0.0, reserved.map_or(bound, |(current, _)| bound.min(current / left)), owner)
+            }
             None if c.joint.limits.winding_temperature.is_some() => Prepared::Unknown(NO_RESISTANCES),
             None => Prepared::NotAsked,
         },
     },
     Limit {
-        name: "winding_peak_temperature",
+        name: PEAK,
         unit: "K",
         formula: "max T − T_ambient ≤ T_max − T_ambient over the motion, of the hottest phase: two nodes, at standstill one for a phase with two thirds of the heat, hot copper, periodic state or from cold",
         safety: false,
@@ -115,7 +129,8 @@ fn heat_over_the_motion(candidate: &Candidate, ratio: f64) -> Verdict {
         return candidate.at_ratio(ratio, |here| heat_over_the_motion(here, ratio));
     }
     let (load, actuator) = (candidate.load, &candidate.actuator);
-    let Some(limit) = candidate.steady_current() else { return Verdict::Unknown(NO_HEAT) };
+    let share = share_of_rise(candidate);
+    let Some(limit) = candidate.steady_current_for(share) else { return Verdict::Unknown(NO_HEAT) };
     // A continuous current says nothing of the temperature that a requirement states.
     if candidate.joint.limits.winding_temperature.is_some() && candidate.thermal_current().is_none() {
         return Verdict::Unknown(NO_RESISTANCES);
@@ -143,7 +158,7 @@ fn heat_over_the_motion(candidate: &Candidate, ratio: f64) -> Verdict {
             let (course, _) = load.course_of(load.squared_currents(actuator, 0.0, ratio));
             let standing = rise_at_standstill(candidate, &node, hottest, ratio);
             let holds = course.iter().map(|piece| (piece.duration, actuator.resistance * piece.from));
-            return match node.rise_at_the_end(holds, hottest) + standing <= hottest - node.ambient {
+            return match node.rise_at_the_end(holds, hottest) + standing <= share * (hottest - node.ambient) {
                 true => Verdict::Kept,
                 false => Verdict::Unknown(
                     "the order of the operating points is not known, and the hottest last may be too hot",
@@ -246,7 +261,7 @@ pub(super) fn heat_of_drag(candidate: &Candidate, ratio: f64) -> Verdict {
     let stays = match followed {
         Some(node) => {
             let warmed = TwoNode { ambient: node.ambient + rise, ..node };
-            let left = limit - warmed.ambient;
+            let left = share_of_rise(candidate) * (limit - node.ambient) - rise;
             load.winding_peak_is_within(actuator, &warmed, ratio, left)
                 || load.winding_peak(actuator, &warmed, ratio).0 <= left
         }
@@ -257,7 +272,7 @@ pub(super) fn heat_of_drag(candidate: &Candidate, ratio: f64) -> Verdict {
             };
             let (motor, ambient) = (candidate.motor, candidate.robot.ambient + rise);
             let settled = thermal::winding_temperature(
-                load.share_of_time * mean,
+                load.share_of_time * mean / (1.0 - candidate.joint.limits.reserve("winding_temperature")).powi(2),
                 motor.resistance,
                 motor.reference_temperature,
                 whole,
