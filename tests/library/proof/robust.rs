@@ -8,7 +8,7 @@ use gearwise::design::answer::Reason;
 use gearwise::design::optimize::optimize;
 use gearwise::design::options::Options;
 use gearwise::design::program::Certificate;
-use gearwise::design::robust::{RobustJoint, SAMPLES, Taken, robust, standard_error};
+use gearwise::design::robust::{RobustDesign, RobustJoint, SAMPLES, Taken, robust, standard_error};
 use gearwise::design::{Evaluation, Mount, Prepared};
 use gearwise::report;
 use gearwise::requirement::*;
@@ -58,7 +58,19 @@ impl Case {
 }
 
 fn evaluate(robot: &Robot, load: &Load, motor: &Motor, ratio: f64) -> Evaluation {
-    Prepared::new(Mount::new(robot, &robot.joints[0], load, motor).candidate().unwrap()).at(ratio)
+    prepared(robot, load, motor).at(ratio)
+}
+
+fn prepared<'a>(robot: &'a Robot, load: &'a Load, motor: &'a Motor) -> Prepared<'a> {
+    Prepared::new(Mount::new(robot, &robot.joints[0], load, motor).candidate().unwrap())
+}
+
+/// A limit that a motor of the box leaves open at the design's ratio is open for the design.
+fn is_as_open(robot: &Robot, load: &Load, motor: &Motor, design: &RobustDesign) {
+    for (limit, why) in prepared(robot, load, motor).unchecked_at(design.optimum.ratio) {
+        let told = design.unchecked.iter().any(|(other, _)| *other == limit) || design.unproven.contains(&limit);
+        assert!(told, "{limit} of a motor in the box: {why}; told are {:?}", design.unchecked);
+    }
 }
 
 /// A random motor at a random joint, with limits around what a middling ratio needs.
@@ -200,6 +212,7 @@ fn no_motor_within_the_tolerances_breaks_a_limit_and_outside_the_window_one_does
             let margin = at.tightest().map_or(1.0, |m| m.margin);
             assert!(margin > -1e-8, "case {seed}: {margin} of {:?} at N = {n}", at.tightest());
             worst = worst.max(at.copper_loss);
+            is_as_open(&case.robot, &load, motor, design);
         }
         assert!(worst <= design.worst_objective * (1.0 + 1e-9), "case {seed}: {worst} {}", design.worst_objective);
         // Nothing better keeps the limits at all corners. (Where a window ends at what cannot be judged, that is another
@@ -369,6 +382,41 @@ fn what_corners_do_not_prove_is_not_certified() {
         joint.lost[0].reason,
         Reason::NotSolved(gearwise::design::program::Unsolved::ToleranceReachesZero("torque_constant".into()))
     );
+}
+
+/// Heat of a motion that happens once, of a motor without thermal time constants, is a limit at no ratio of the program: it is judged at the
+/// worst corner all the same.
+#[test]
+fn heat_that_is_judged_at_the_ratio_is_judged_at_the_worst_corner() {
+    let text = "name = 'x'\nambient = { temperature = '25 degC' }\nbus = { voltage = '400 V' }\n[[joint]]\nname = 'j'\nratio = { min = 2, max = 60 }\nobjective = 'reflected_inertia'\norder = [{ case = 'a', count = 1 }]\nperiodic = false\n[[joint.case]]\nname = 'a'\npoints = [{ torque = '10.1 N*m', speed = '20 rad/s', duration = '40000 s' }]\n";
+    let source = gearwise::input::Source::new("x.toml", text);
+    let robot = gearwise::requirement::read_source(&source.into()).unwrap();
+    let numbers = [
+        ("resistance", "ohm", 0.1, 0.005),
+        ("torque_constant", "N*m/A", 0.1, 0.005),
+        ("rotor_inertia", "kg*m^2", 3e-5, 1.5e-6),
+        ("coulomb_friction", "N*m", 0.01, 0.0005),
+        ("thermal_resistance_winding_housing", "K/W", 1.5, 0.075),
+        ("thermal_resistance_housing_ambient", "K/W", 1.5, 0.075),
+        ("max_winding_temperature", "degC", 125.0, 0.0),
+        ("reference_temperature", "degC", 25.0, 0.0),
+    ];
+    let catalog = Catalog::of(vec![motor(&numbers, true, &[])], Vec::new());
+    let joint = &robust(&robot, &catalog, Options::default()).unwrap()[0];
+    let design = &joint.designs[0];
+    // K_T at its lower end, friction, resistance and thermal resistance at their upper ones.
+    let hot = 0.105 * (1.0 + 0.003_93 / (1.0 + 0.003_93 * 5.0) * 100.0);
+    let current = f64::sqrt(100.0 / (3.15 * hot));
+    let ratio = 10.1 / (0.095 * current - 0.0105);
+    assert!((design.optimum.ratio / ratio - 1.0).abs() < 1e-6, "{} {ratio}", design.optimum.ratio);
+    assert!(design.nominal.optimum.ratio < 0.95 * ratio);
+    let case = Case { robot: robot.clone(), numbers: numbers.to_vec(), other: Vec::new() };
+    let load = Load::new(&robot.joints[0].motion, None);
+    let mut generator = Pcg64::seed_from_u64(7);
+    for _ in 0..300 {
+        let moved = case.moved(|_| generator.random_range(-1.5_f64..1.5).clamp(-1.0, 1.0));
+        is_as_open(&robot, &load, &moved, design);
+    }
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! One motor over the box of its tolerances.
 
 use super::RobustDesign;
-use super::corners::{Corner, Toleranced, reaching_zero, toleranced, with_numbers};
+use super::corners::{Corner, Place, Toleranced, reaching_zero, toleranced, with_numbers};
 use super::derivative::Along;
 use super::proof::{Directions, Margins, Region, Verified, verify};
 use crate::answer::{Design, Reason, Unusable};
@@ -69,7 +69,7 @@ impl<'a> Over<'a, '_> {
         let Over { site, nominal, all, .. } = self;
         let mount = site.direct(nominal.motor);
         let Some(range) = mount.range() else { return Err(Reason::Unusable(Unusable::NoGearFits)) };
-        let start = Start::new(mount, all, range)?;
+        let start = Start::new(mount, all, range, self.only_checked)?;
         let mut corners = start.corners.clone();
         for round in 0.. {
             let boxed = Boxed::new(mount, all, &start, &corners).map_err(Reason::Unusable)?;
@@ -110,7 +110,7 @@ impl<'a> Over<'a, '_> {
         let mut gears: Selection<(&'a str, RobustDesign<'a>)> = Selection::new(nominal.motor);
         for mount in site.mounts(nominal.motor) {
             let Some(gear) = mount.gear else { continue };
-            let Ok(start) = Start::new(mount, all, (gear.ratio, gear.ratio)) else { continue };
+            let Ok(start) = Start::new(mount, all, (gear.ratio, gear.ratio), only_checked) else { continue };
             let mut corners = start.corners.clone();
             for round in 0.. {
                 let Ok(boxed) = Boxed::new(mount, all, &start, &corners) else { break };
@@ -160,10 +160,12 @@ struct Start {
     directions: Directions,
     free: Vec<bool>,
     corners: Vec<Corner>,
+    /// Limits judged at a ratio of which more tolerances count than are combined.
+    open: Vec<&'static str>,
 }
 
 impl Start {
-    fn new(mount: Mount, all: &[Toleranced], range: (f64, f64)) -> Result<Start, Reason> {
+    fn new(mount: Mount, all: &[Toleranced], range: (f64, f64), only_checked: bool) -> Result<Start, Reason> {
         let nominal = mount.prepared().map_err(Reason::Unusable)?;
         let ratio = (range.0 * range.1).sqrt();
         let at =
@@ -189,15 +191,89 @@ impl Start {
         }
         let chosen: Vec<usize> = (0..all.len()).filter(|i| free[*i]).collect();
         chosen.iter().skip(MOST_FREE).for_each(|i| free[*i] = false);
-        let chosen = &chosen[..chosen.len().min(MOST_FREE)];
-        let corner = |bits: usize| {
-            let mut place = base.clone();
-            chosen.iter().enumerate().for_each(|(k, i)| place[*i] = f64::from((bits >> k & 1) as u32));
-            Corner::new(mount.motor, all, place, None)
-        };
-        let corners = (0..1_usize << chosen.len()).map(corner).collect::<Option<Vec<_>>>();
+        let mut corners = combined(mount.motor, all, &base, &chosen, None);
+        let mut open = Vec::new();
+        if judge::may_change(&nominal, only_checked) {
+            let heats: Vec<Heat> = all.iter().map(|of| Heat::along(of, mount.motor)).collect();
+            let hottest = heats.iter().zip(&printed).map(|(heat, printed)| match heat {
+                Heat::At(end) => *end,
+                Heat::Not | Heat::Either => *printed,
+            });
+            let chosen: Vec<usize> = (0..all.len()).filter(|i| heats[*i] == Heat::Either).collect();
+            let hottest = combined(mount.motor, all, &hottest.collect::<Vec<_>>(), &chosen, Some(HEAT));
+            let is_new = |hot: &Corner| corners.iter().flatten().all(|corner: &Corner| corner.at != hot.at);
+            let new: Vec<_> = hottest.into_iter().filter(|hot| hot.as_ref().is_none_or(is_new)).collect();
+            corners.extend(new);
+            if chosen.len() > MOST_FREE {
+                open.extend(nominal.judged_at_ratio());
+            }
+        }
+        let corners = corners.into_iter().collect::<Option<Vec<_>>>();
         let corners = corners.ok_or(Reason::NotSolved(Unsolved::ToleranceReachesZero("the sheet".into())))?;
-        Ok(Start { directions, free, corners })
+        Ok(Start { directions, free, corners, open })
+    }
+}
+
+/// The corners at both ends of each chosen tolerance, of the first [`MOST_FREE`] of them, with the others at their place in `base`:
+/// `None` for those whose numbers make no motor.
+fn combined(
+    motor: &Motor,
+    all: &[Toleranced],
+    base: &[f64],
+    chosen: &[usize],
+    found_for: Option<&'static str>,
+) -> Vec<Option<Corner>> {
+    let chosen = &chosen[..chosen.len().min(MOST_FREE)];
+    let corner = |bits: usize| {
+        let mut place = base.to_vec();
+        chosen.iter().enumerate().for_each(|(k, i)| place[*i] = f64::from((bits >> k & 1) as u32));
+        Corner::new(motor, all, place, found_for)
+    };
+    (0..1_usize << chosen.len()).map(corner).collect()
+}
+
+/// Stands for heat that is judged at a ratio among the limits that corners are found for: it is none of the program's.
+const HEAT: &str = "heat at a ratio";
+
+/// The end of a tolerance at which heat that is judged at a ratio comes nearest to its limit. The mean of a squared current, and the
+/// largest one, are convex in what friction and inertia add to the torque, and in the inverse of the torque constant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Heat {
+    /// It does not count.
+    Not,
+    /// The lower (0) or the upper end (1).
+    At(f64),
+    /// One of both.
+    Either,
+}
+
+impl Heat {
+    fn along(of: &Toleranced, motor: &Motor) -> Heat {
+        match of.place {
+            Place::Effect { .. } | Place::Gear(_) => Heat::Either,
+            Place::Sheet(
+                "resistance" | "thermal_resistance_winding_housing" | "thermal_resistance_housing_ambient",
+            ) => Heat::At(1.0),
+            Place::Sheet(
+                "max_winding_temperature"
+                | "reference_temperature"
+                | "continuous_current"
+                | "continuous_torque"
+                | "thermal_time_constant_winding"
+                | "thermal_time_constant_housing",
+            )
+            | Place::Rating("rated_torque") => Heat::At(0.0),
+            Place::Sheet(
+                "torque_constant" | "rotor_inertia" | "viscous_friction" | "coulomb_friction" | "no_load_current"
+                | "no_load_speed",
+            )
+            | Place::Rating("torque_constant" | "efficiency") => Heat::Either,
+            // Where it is what the torque constant comes from.
+            Place::Sheet("back_emf_constant" | "speed_constant") if motor.sheet.torque_constant.is_none() => {
+                Heat::Either
+            }
+            Place::Sheet(_) | Place::Rating(_) => Heat::Not,
+        }
     }
 }
 
@@ -259,17 +335,19 @@ impl<'p> Boxed<'p> {
     /// Proof of the limits over the box at a ratio.
     fn verified(&self, ratio: f64) -> Verified {
         let margins = |at: &[f64], ratio: f64| self.margins_at(at, ratio);
-        if self.nominal.candidate.by_ratio.is_none() {
-            return verify(
-                &Region { nominal: &self.nominal, corners: &self.corners, margins: &margins },
-                self.all,
-                ratio,
-            );
-        }
-        let corners: Vec<_> =
-            self.corners.iter().map(|(prepared, corner)| (standing_at(prepared, ratio), *corner)).collect();
-        let nominal = standing_at(&self.nominal, ratio);
-        verify(&Region { nominal: &nominal, corners: &corners, margins: &margins }, self.all, ratio)
+        let look = |nominal: &Prepared<'p>, corners: &[(Prepared<'p>, &'p Corner)]| {
+            verify(&Region { nominal, corners, margins: &margins }, self.all, ratio)
+        };
+        let mut verified = match self.nominal.candidate.by_ratio {
+            None => look(&self.nominal, &self.corners),
+            Some(_) => {
+                let standing =
+                    |(prepared, corner): &(Prepared<'p>, &'p Corner)| (standing_at(prepared, ratio), *corner);
+                look(&standing_at(&self.nominal, ratio), &self.corners.iter().map(standing).collect::<Vec<_>>())
+            }
+        };
+        self.start.open.iter().for_each(|limit| verified.leave_open(limit));
+        verified
     }
 
     /// The motors that break a limit, where that is not looked at too often; else their limits are not proven.
@@ -366,7 +444,7 @@ impl<'p> Boxed<'p> {
         RobustDesign {
             nominal: nominal.clone(),
             toleranced: self.all.to_vec(),
-            corners: self.corners.len(),
+            corners: self.corners.iter().filter(|(_, corner)| corner.found_for != Some(HEAT)).count(),
             gear,
             unchecked,
             assumed,
