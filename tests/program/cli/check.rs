@@ -506,6 +506,34 @@ fn wrong_files_are_refused_with_their_place() {
 }
 
 #[test]
+fn a_design_without_the_spring_that_is_asked_for_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let row = |k: u32| {
+        let angle = f64::from(k) / 20.0 * std::f64::consts::TAU;
+        format!("{},{},{},{}\n", f64::from(k) / 20.0, angle.cos(), angle.sin(), angle.cos() * std::f64::consts::TAU)
+    };
+    let rows: String = (0..=20).map(row).collect();
+    let head = "time [s],torque [N*m],position [rad],velocity [rad/s]\n";
+    fs::write(folder.path().join("m.csv"), format!("{head}{rows}")).unwrap();
+    let text = "name = \"x\"\n[bus]\nvoltage = \"48 V\"\n[[joint]]\nname = \"j\"\nratio = { min = 2, max = 20 }\nmotion = \"m.csv\"\nobjective = \"loss\"\n[joint.limits]\n";
+    for (least, refused) in [(1, true), (0, false)] {
+        let spring = format!(
+            "spring = {{ stiffness = [\"{least} N*m/rad\", \"9 N*m/rad\"], rest_angle = [\"0 rad\", \"1 rad\"] }}\n"
+        );
+        fs::write(folder.path().join("robot.toml"), format!("{text}{spring}")).unwrap();
+        let design = "requirement = \"robot.toml\"\n[[joint]]\nname = \"j\"\nmotor = \"t-motor-u8-lee\"\nratio = 9\n";
+        fs::write(folder.path().join("design.toml"), design).unwrap();
+        let (status, _, stderr) = said(&run(folder.path(), &["check", "design.toml"]));
+        assert_eq!(status == Some(2), refused, "{stderr}");
+        assert_eq!(
+            stderr.contains("asks for a spring of 1 to 9 N*m/rad, and this design has none"),
+            refused,
+            "{stderr}"
+        );
+    }
+}
+
+#[test]
 fn a_lock_catches_a_changed_row_and_says_what_changed() {
     let folder = tempfile::tempdir().unwrap();
     write(folder.path(), Case::default());

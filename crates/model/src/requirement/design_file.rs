@@ -465,10 +465,18 @@ fn read_joint(
         key("optimal_ratio", "the ratio that was proved, where `ratio` is one near it that can be built; not checked"),
         Range::Positive,
     );
-    let spring = match spring {
-        Some(None) => return None,
-        Some(spring) => spring,
-        None => None,
+    let asked = joint.and_then(|j| j.limits.spring).filter(|asked| asked.stiffness[0] > 0.0);
+    let spring = match (spring, asked) {
+        (Some(None), _) => return None,
+        (None, Some(asked)) => {
+            let [least, most] = asked.stiffness.map(number);
+            let message =
+                format!("the requirement asks for a spring of {least} to {most} N*m/rad, and this design has none");
+            let example = "spring = { stiffness = \"…\", rest_angle = \"…\" }";
+            section.note(Problem::at(section.span(), message, "in this table").help(format!("give {example}")));
+            return None;
+        }
+        (spring, _) => spring.flatten(),
     };
     Some(JointDesign {
         name: name?.into_inner(),
