@@ -123,16 +123,51 @@ fn read_samples(
     Some((Motion::from_samples(samples, course), carried))
 }
 
-/// A velocity that is not the rate of the position given beside it: a wrong unit, sign or column.
+/// A column that is not the rate of another one given beside it: a wrong unit, sign or column.
 fn contradiction(table: &impl Rows, samples: &Samples) -> Option<Problem> {
-    let worst = disagreement(&samples.time, samples.position.as_ref()?, samples.velocity.as_ref()?)?;
-    Some(
-        table
-            .problem(worst, "velocity", "velocity is not the rate of position".into(), "differs most here".into())
-            .help(
-                "deg for rad, rpm for rad/s, a wrong sign, or the wrong column? Leave position out if it is not needed",
-            ),
-    )
+    let Samples { time, torque, position, velocity, acceleration, torque_rate, jerk } = samples;
+    let differs = |worst: usize, [rate, of]: [&str; 2]| {
+        table.problem(worst, rate, format!("{rate} is not the rate of {of}"), "differs most here".into())
+    };
+    if let (Some(position), Some(velocity)) = (position, velocity)
+        && let Some(worst) = disagreement(time, position, velocity)
+    {
+        return Some(differs(worst, ["velocity", "position"]).help(
+            "deg for rad, rpm for rad/s, a wrong sign, or the wrong column? Leave position out if it is not needed",
+        ));
+    }
+    let pairs = [
+        (["acceleration", "velocity"], velocity.as_ref(), acceleration),
+        (["jerk", "acceleration"], acceleration.as_ref(), jerk),
+        (["torque_rate", "torque"], Some(torque), torque_rate),
+    ];
+    pairs.into_iter().find_map(|(names, of, rate)| {
+        let worst = scaled_rate(time, of?, rate.as_ref()?)?;
+        let help = format!("a wrong unit or a wrong sign? Leave {} out: it is computed from {}", names[0], names[1]);
+        Some(differs(worst, names).help(help))
+    })
+}
+
+/// Correlation from which one course is the other up to a factor.
+const SAME_COURSE: f64 = 0.9;
+/// Factor within which measured rates agree.
+const SAME_SIZE: f64 = 2.0;
+/// Samples from which a correlation says something.
+const SAMPLES: usize = 12;
+
+/// The sample at which a rate differs most from the differences of what it is the rate of, where it has their course but another
+/// size or sign. A noisy rate, or a rate of something noisy, has another course.
+fn scaled_rate(time: &[f64], of: &[f64], rate: &[f64]) -> Option<usize> {
+    let pair = |k: usize| [(of[k] - of[k - 1]) / (time[k] - time[k - 1]), 0.5 * (rate[k] + rate[k - 1])];
+    let pairs = || (1..of.len()).map(pair);
+    let sum = |product: fn([f64; 2]) -> f64| pairs().map(product).sum::<f64>();
+    let (size, other) = (sum(|[a, _]| a * a).sqrt(), sum(|[_, b]| b * b).sqrt());
+    let correlation = sum(|[a, b]| a * b) / (size * other);
+    let is_scaled = !(1.0 / SAME_SIZE..=SAME_SIZE).contains(&(other / size));
+    let apart = |k: &usize| (pair(*k)[0] - pair(*k)[1]).abs();
+    (of.len() >= SAMPLES && (correlation < -SAME_COURSE || (correlation > SAME_COURSE && is_scaled)))
+        .then(|| (1..of.len()).max_by(|a, b| apart(a).total_cmp(&apart(b))))
+        .flatten()
 }
 
 /// The sample at which velocity differs most from the rate of position, where the two do not belong together.
@@ -417,6 +452,41 @@ mod tests {
 
     fn source(text: &str) -> Arc<Source> {
         Arc::new(Source::new("motion.csv", text))
+    }
+
+    /// 40 samples of a sine in speed and torque; rates by a factor, and with noise on both.
+    fn beside(acceleration: f64, torque_rate: f64, noise: f64) -> Option<Problem> {
+        let (mut generator, count) = (0_u64, 40);
+        let mut noise = || {
+            generator = generator.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            noise * ((generator >> 11) as f64 * 2.0_f64.powi(-52) - 1.0)
+        };
+        let time: Vec<f64> = (0..count).map(|k| 0.025 * f64::from(k)).collect();
+        let mut of = |size: f64, at: fn(f64) -> f64| -> Vec<f64> {
+            time.iter().map(|t| size * at(std::f64::consts::TAU * t) + noise()).collect()
+        };
+        let samples = Samples {
+            torque: of(1.0, f64::sin),
+            velocity: Some(of(1.0, f64::sin)),
+            acceleration: Some(of(acceleration * std::f64::consts::TAU, f64::cos)),
+            torque_rate: Some(of(torque_rate * std::f64::consts::TAU, f64::cos)),
+            time: time.clone(),
+            ..Samples::default()
+        };
+        contradiction(&Arrays(count as usize), &samples)
+    }
+
+    #[test]
+    fn a_rate_of_another_size_or_sign_is_refused_and_noise_is_not() {
+        for factor in [57.3, 1.0 / 57.3, -1.0, -0.3, 3.0] {
+            let [own, other] =
+                [beside(factor, 1.0, 1e-4), beside(1.0, factor, 1e-4)].map(|found| found.unwrap().message);
+            assert!(own.contains("acceleration is not the rate of velocity"), "{own}");
+            assert!(other.contains("torque_rate is not the rate of torque"), "{other}");
+        }
+        for (factor, noise) in [(1.0, 0.0), (0.8, 0.01), (1.3, 0.01), (1.0, 0.3), (1.0, 5.0)] {
+            assert!(beside(factor, factor, noise).is_none(), "{factor} {noise}");
+        }
     }
 
     #[test]
