@@ -171,17 +171,35 @@ impl Shortfall {
 
     /// Mean squared current at a squared torque \[A²\], and its derivative \[A²/(N²·m²)\]: a convex
     /// function. Ripple is added in its mean square.
+    #[inline(always)]
     pub fn current_squared(&self, torque_squared: f64) -> (f64, f64) {
         let squared = (torque_squared + self.ripple_mean_square) * self.proportional_heat;
-        let Some(saturation) = self.saturation else {
-            let per_square = 1.0 / (self.torque_constant * self.torque_constant);
-            return (squared * per_square, self.proportional_heat * per_square);
+        let per_square = 1.0 / (self.torque_constant * self.torque_constant);
+        let (current_squared, slope) = match self.saturation {
+            None => (squared * per_square, per_square),
+            Some(saturation) if saturation.slope == self.torque_constant => {
+                let share = squared * per_square / (saturation.current * saturation.current);
+                if share < SMALL * SMALL && squared <= saturation.end.0 * saturation.end.0 {
+                    let series = atanh_series(share);
+                    let slope = per_square * series / (1.0 - share);
+                    (squared * per_square * series * series, slope)
+                } else {
+                    self.beyond_series(saturation, squared)
+                }
+            }
+            Some(saturation) => self.beyond_series(saturation, squared),
         };
+        (current_squared, slope * self.proportional_heat)
+    }
+
+    /// Squared current of a squared torque of the saturated curve \[A²\] and its derivative \[A²/(N²·m²)\].
+    #[inline(never)]
+    fn beyond_series(&self, saturation: Saturation, squared: f64) -> (f64, f64) {
         let torque = squared.sqrt();
         let (current, slope) = self.saturated(saturation, torque);
         // d(i²)/d(T²) = i i'/T, which is 1/K_T² where both vanish.
         let per_square = if torque > 0.0 { current * slope / torque } else { self.torque_constant.powi(-2) };
-        (current * current, per_square * self.proportional_heat)
+        (current * current, per_square)
     }
 
     /// Current at a torque ≥ 0 of the saturated curve \[A\] and its derivative \[A/(N·m)\].
@@ -237,6 +255,19 @@ impl Saturation {
     fn largest_torque(&self, torque_constant: f64, largest: f64) -> f64 {
         self.torque(torque_constant, largest.min(self.last)).0
     }
+}
+
+/// Below this the series of [`atanh_series`] is exact to rounding.
+const SMALL: f64 = 0.2;
+
+/// `artanh(x)/x` of a squared x below [`SMALL`]²: Σ x²ᵏ/(2k+1) to k = 10, summed in pairs.
+#[inline]
+fn atanh_series(x: f64) -> f64 {
+    let pair = |k: f64| 1.0 / (4.0 * k + 1.0) + x * (1.0 / (4.0 * k + 3.0));
+    let x2 = x * x;
+    let x4 = x2 * x2;
+    let ends = pair(4.0) + x2 * (1.0 / 21.0);
+    (pair(0.0) + x2 * pair(1.0)) + x4 * ((pair(2.0) + x2 * pair(3.0)) + x4 * ends)
 }
 
 /// Effects that are evaluated at each ratio.
@@ -388,6 +419,22 @@ pub fn folded(
 mod tests {
     use super::*;
     use crate::effects::Shape;
+
+    /// T = K_T i_s tanh(i/i_s): the squared current against artanh, on both sides of where its series ends.
+    #[test]
+    fn the_squared_current_of_saturated_iron_is_that_of_its_curve() {
+        let (k_t, i_s) = (0.13, 31.0);
+        let mut shortfall = Shortfall::none(k_t);
+        shortfall.saturation = Some(Saturation::new(k_t, i_s, k_t, Some(2.0 * i_s)));
+        for share in [1e-9, 1e-3, 0.05, 0.1999, 0.2, 0.2001, 0.5, 0.9] {
+            let torque: f64 = share * k_t * i_s;
+            let (squared, slope) = shortfall.current_squared(torque * torque);
+            let current = i_s * f64::atanh(share);
+            assert!((squared / (current * current) - 1.0).abs() < 1e-14, "{share}");
+            let expected = current / (k_t * (1.0 - share * share)) / torque;
+            assert!((slope / expected - 1.0).abs() < 1e-14, "{share}");
+        }
+    }
 
     /// What an effect says of the limits is what the code does with it: none is left out of a list somewhere.
     #[test]

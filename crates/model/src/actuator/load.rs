@@ -48,6 +48,9 @@ fn running_load(motion: &Motion) -> (f64, f64) {
     if share > 1e-12 { (mean(&motion.torque), mean(&motion.velocity)) } else { (0.0, 0.0) }
 }
 
+/// More than a mean differs by from another order of its sum (relative).
+const ROUNDING: f64 = 1e-9;
+
 /// Phases of the torque that is superposed for the bandwidth limit: between two of them it is at most
 /// 1 − cos(π/32) = 0.5 % larger.
 pub const BANDWIDTH_PHASES: usize = 32;
@@ -520,25 +523,48 @@ impl Load {
         if actuator.shortfall.saturates() {
             work::count(4 * self.samples.len());
         }
-        let square = |k: usize| {
-            let [a, c, b] = actuator.torque_terms(self.samples[k].flow, &self.samples[k].features);
+        self.currents_squared(actuator, standing, ratio).map(|(share, [squared, _])| share * squared).sum()
+    }
+
+    /// The share of every sample with its squared current at a ratio \[A²\] and the derivative by the squared torque.
+    fn currents_squared(
+        &self,
+        actuator: &Actuator,
+        standing: f64,
+        ratio: f64,
+    ) -> impl Iterator<Item = (f64, [f64; 2])> {
+        let weights = Flow::ALL.map(|flow| actuator.torque_form(flow).weights(ratio));
+        self.samples.iter().enumerate().map(move |(k, sample)| {
+            let torque: f64 = weights[sample.flow as usize].iter().zip(&sample.features).map(|(w, x)| w * x).sum();
+            let (squared, slope) = actuator.shortfall.current_squared(torque * torque);
             let along_d = (self.direct(k) / actuator.torque_constant).powi(2);
-            let squared = actuator.shortfall.current_squared((a / ratio + c + b * ratio).powi(2)).0;
-            self.share(k, standing) * (squared + along_d)
-        };
-        (0..self.samples.len()).map(square).sum()
+            (self.share(k, standing), [squared + along_d, slope])
+        })
+    }
+
+    /// Bounds of [`Self::mean_current_squared`] without a walk over the samples \[A²\]: the current per torque rises with
+    /// the torque, from 1/K_T to that of the largest torque.
+    pub(crate) fn mean_current_squared_between(&self, actuator: &Actuator, standing: f64, ratio: f64) -> [f64; 2] {
+        let shortfall = &actuator.shortfall;
+        let mean = self.mean_torque_squared_standing(actuator, standing).at(ratio);
+        let least = mean / (actuator.torque_constant * actuator.torque_constant);
+        let largest = self.waveform.largest(Functional::CurrentSquared, actuator, ratio).value;
+        let most = mean * shortfall.current_squared(largest).0 / (largest + shortfall.mean_square());
+        [least * (1.0 - ROUNDING), if most.is_finite() { most * (1.0 + ROUNDING) } else { f64::INFINITY }]
     }
 
     /// The same as a cut: the polynomial that equals it at `ratio` and is nowhere above it. The squared current
     /// of a sample is convex and rising in its squared torque.
     pub fn mean_current_squared_cut(&self, actuator: &Actuator, standing: f64, ratio: f64) -> Laurent {
-        let slope = |k: usize| {
-            let [a, c, b] = actuator.torque_terms(self.samples[k].flow, &self.samples[k].features);
-            self.share(k, standing) * actuator.shortfall.current_squared((a / ratio + c + b * ratio).powi(2)).1
-        };
-        let slopes: Vec<f64> = (0..self.samples.len()).map(slope).collect();
+        work::count(5 * self.samples.len());
+        let mut mean = 0.0;
+        let slopes = self.currents_squared(actuator, standing, ratio).map(|(share, [squared, slope])| {
+            mean += share * squared;
+            share * slope
+        });
+        let slopes: Vec<f64> = slopes.collect();
         let squares = self.weighted_torque_squared(actuator, &slopes);
-        squares + Laurent::constant(self.mean_current_squared(actuator, standing, ratio) - squares.at(ratio))
+        squares + Laurent::constant(mean - squares.at(ratio))
     }
 
     /// The share of the time that a sample has, with the share `standing` of that at standstill once more.

@@ -5,7 +5,7 @@ use super::objective::Goal;
 use super::{Bind, Class, End, Infeasible, Limited, RatioProgram, Window};
 use crate::evaluate::{FEASIBILITY_TOLERANCE, violation};
 use gearwise_model::actuator::limits::{Asked, Demand};
-use gearwise_model::numerics::line_search::{FULLY, crossing, golden_section};
+use gearwise_model::numerics::line_search::{FULLY, crossing, golden_section, least_in_few_looks};
 use gearwise_model::numerics::work;
 
 /// What exceeds a limit by this (relative) exceeds it for everyone: more than any tolerance with which limits
@@ -120,13 +120,17 @@ fn walks(program: &RatioProgram, grid: &[f64], cheap: &[f64]) -> Vec<Walk> {
 pub(super) fn scan(program: &RatioProgram, goal: &Goal, low: &End, high: &End) -> Found {
     let (min, max) = (low.ratio, high.ratio);
     let excess = |n: f64| worst(program, n).0;
+    let apart = Apart::new(program);
     let count = count(program, (min, max));
     let grid = if max / min - 1.0 < 1e-12 { vec![min] } else { gearwise_model::numerics::grid::grid(min, max, count) };
     let without_walks = program.without_walks().filter(|_| !program.is_evaluated());
-    let cheap: Option<Vec<f64>> = without_walks.map(|cheap| grid.iter().map(|n| worst(&cheap, *n).0).collect());
+    let cheap: Option<Vec<f64>> = without_walks.map(|cheap| {
+        let cheap = Apart::new(&cheap);
+        grid.iter().map(|n| cheap.excess(*n)).collect()
+    });
     let known = cheap.as_ref().map_or_else(|| vec![Walk::Kept; grid.len()], |cheap| walks(program, &grid, cheap));
     let value = |k: usize| match (&cheap, known[k]) {
-        (None, _) => excess(grid[k]),
+        (None, _) => apart.excess(grid[k]),
         (Some(cheap), Walk::Open) if cheap[k] <= FEASIBILITY_TOLERANCE => excess(grid[k]),
         (Some(cheap), Walk::Exceeded) => cheap[k].max(CLEARLY),
         (Some(cheap), _) => cheap[k],
@@ -162,15 +166,15 @@ pub(super) fn scan(program: &RatioProgram, goal: &Goal, low: &End, high: &End) -
         }
     }
     let feasible = |e: f64| e <= FEASIBILITY_TOLERANCE;
-    let look = |turn: &Turn| {
-        let n = golden_section(&|n| turn.sign * excess(n), turn.ends.0, turn.ends.1, steps(program));
-        (n, excess(n))
-    };
     let mut seen: Vec<Option<(f64, f64)>> =
-        turns.iter().map(|t| (!t.certain && !work::is_spent()).then(|| look(t))).collect();
+        turns.iter().map(|t| (!t.certain && !work::is_spent()).then(|| apart.turn(t))).collect();
     if !points.iter().chain(seen.iter().flatten()).any(|p| feasible(p.1)) {
         // Nothing is feasible: which ratio came nearest is told, and may be the bottom of any valley.
-        seen = turns.iter().zip(seen).map(|(t, seen)| seen.or_else(|| (!work::is_spent()).then(|| look(t)))).collect();
+        seen = turns
+            .iter()
+            .zip(seen)
+            .map(|(t, seen)| seen.or_else(|| (!work::is_spent()).then(|| apart.turn(t))))
+            .collect();
     }
     points.extend(seen.into_iter().flatten());
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -204,6 +208,63 @@ pub(super) fn worst(program: &RatioProgram, ratio: f64) -> (f64, Option<Bind>) {
     worst_by(program, ratio, |_, _, excess| excess, FEASIBILITY_TOLERANCE)
 }
 
+/// A program whose sums over all samples are apart from its other limits.
+struct Apart<'p, 'a> {
+    whole: &'p RatioProgram<'a>,
+    sums: Vec<Limited<'a>>,
+    others: RatioProgram<'a>,
+}
+
+impl<'p, 'a> Apart<'p, 'a> {
+    fn new(whole: &'p RatioProgram<'a>) -> Apart<'p, 'a> {
+        let is_sum = |l: &Limited| is_convex(l.asked) && matches!(l.asked.demand, Demand::MeanCurrentSquared(_));
+        let (sums, limits) = whole.limits.iter().copied().partition(|l| is_sum(l) && !whole.is_evaluated());
+        Apart { whole, sums, others: RatioProgram { limits, ..*whole } }
+    }
+
+    /// Bounds of the excess of [`worst`]; without sums it is both.
+    fn bounds(&self, ratio: f64) -> [f64; 2] {
+        let of_sum = |l: &Limited| {
+            let bounds = l.asked.raw_between(l.candidate, ratio).unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+            bounds.map(|raw| violation(raw, l.asked.raw_bound()))
+        };
+        let others = worst(&self.others, ratio).0;
+        self.sums.iter().map(of_sum).fold([others; 2], |[a, b], [least, most]| [a.max(least), b.max(most)])
+    }
+
+    /// The excess of [`worst`], or a bound of it that shows as well whether the limits are kept: from above where they are,
+    /// from below where they are not.
+    fn excess(&self, ratio: f64) -> f64 {
+        let [least, most] = self.bounds(ratio);
+        match () {
+            () if most <= 0.0 => most,
+            () if least > CLEARLY || least == most => least,
+            () => worst(self.whole, ratio).0,
+        }
+    }
+
+    /// The bottom of a valley, or the top of a hill, and the excess there, or a bound of it that shows as well that nothing is
+    /// hidden there.
+    fn turn(&self, turn: &Turn) -> (f64, f64) {
+        let of = |excess: &dyn Fn(f64) -> f64| {
+            let n = bottom(self.whole, &|n| turn.sign * excess(n), turn.ends.0, turn.ends.1);
+            (n, excess(n))
+        };
+        if !self.sums.is_empty() {
+            let is_valley = turn.sign > 0.0;
+            let (n, bound) = of(&|n| self.bounds(n)[usize::from(!is_valley)]);
+            if (is_valley && bound > CLEARLY) || (!is_valley && bound <= 0.0) {
+                return (n, bound);
+            }
+        }
+        of(&|n| worst(self.whole, n).0)
+    }
+}
+
+fn is_convex(asked: &Asked) -> bool {
+    matches!(asked.limit.class, Class::Convex | Class::ReverseConvex)
+}
+
 /// By how much a demand exceeds its limit as people read both: squares of torque and voltage count by their roots.
 fn told_excess(asked: &Asked, raw: f64, excess: f64) -> f64 {
     if asked.bound > 0.0 { asked.natural(raw) / asked.bound - 1.0 } else { excess }
@@ -223,7 +284,6 @@ fn worst_by(
             *worst = (measured, Some(Bind::of(asked.limit.name, sample)));
         }
     }
-    let is_convex = |asked: &Asked| matches!(asked.limit.class, Class::Convex | Class::ReverseConvex);
     if !program.is_evaluated() {
         for walks in [false, true] {
             if walks && worst.0 > enough {
@@ -292,13 +352,16 @@ fn count(program: &RatioProgram, (min, max): (f64, f64)) -> usize {
     }
 }
 
-/// How often a valley is narrowed.
-fn steps(program: &RatioProgram) -> usize {
-    match () {
+/// The bottom of a valley.
+fn bottom(program: &RatioProgram, value: &impl Fn(f64) -> f64, a: f64, b: f64) -> f64 {
+    let steps = match () {
         () if work::is_spent() => SPENT_STEPS,
         () if is_proved_after(program) => WEAKENED_STEPS,
+        // Each value is a sum over all samples, and smooth.
+        () if program.saturates() && !program.is_evaluated() => return least_in_few_looks(value, a, b),
         () => FULLY,
-    }
+    };
+    golden_section(value, a, b, steps)
 }
 
 /// The feasible end of the bracket between an infeasible and a feasible ratio, and what binds there.
@@ -310,13 +373,14 @@ fn boundary(program: &RatioProgram, outside: f64, inside: f64) -> (f64, Bind) {
         let (bad, good) = crossing(&|n| worst(program, n).0, outside, inside, END);
         return (good, worst(program, bad).1.unwrap_or(Bind::of("ratio_min", None)));
     }
+    let apart = Apart::new(program);
     let (mut bad, mut good) = (outside, inside);
     for _ in 0..100 {
         let middle = 0.5 * (bad + good);
         if middle == bad || middle == good || work::is_spent() {
             break;
         }
-        if worst(program, middle).0 <= 0.0 { good = middle } else { bad = middle }
+        if apart.excess(middle) <= 0.0 { good = middle } else { bad = middle }
     }
     let bind = worst(program, bad).1.unwrap_or(Bind::of("ratio_min", None));
     (good, bind)
@@ -329,7 +393,7 @@ fn best_of(program: &RatioProgram, goal: &Goal, windows: &[Window]) -> Option<(f
         points if program.saturates() && !program.is_evaluated() => points.min(SATURATED_VALUES),
         points => points,
     };
-    least_by(&|n| goal.value(n), &pieces(program, windows), count, steps(program))
+    least_by(&|n| goal.value(n), &pieces(program, windows), count, &|value, a, b| bottom(program, value, a, b))
 }
 
 /// The windows, cut where the mass steps.
@@ -348,11 +412,16 @@ fn pieces(program: &RatioProgram, windows: &[Window]) -> Vec<(f64, f64)> {
 
 /// The least value over some intervals: a grid on each, then every valley refined.
 pub(super) fn least(value: &impl Fn(f64) -> f64, intervals: &[(f64, f64)], count: usize) -> Option<(f64, f64)> {
-    least_by(value, intervals, count, FULLY)
+    least_by(value, intervals, count, &|value, a, b| golden_section(value, a, b, FULLY))
 }
 
-/// The same with so many narrowings of a valley.
-fn least_by(value: &impl Fn(f64) -> f64, intervals: &[(f64, f64)], count: usize, steps: usize) -> Option<(f64, f64)> {
+/// The same with a search for the bottom of a valley.
+fn least_by<F: Fn(f64) -> f64>(
+    value: &F,
+    intervals: &[(f64, f64)],
+    count: usize,
+    bottom: &impl Fn(&F, f64, f64) -> f64,
+) -> Option<(f64, f64)> {
     let mut best: Option<(f64, f64)> = None;
     let mut offer = |n: f64, f: f64| {
         if best.is_none_or(|(_, b)| f < b) {
@@ -366,7 +435,7 @@ fn least_by(value: &impl Fn(f64) -> f64, intervals: &[(f64, f64)], count: usize,
             offer(grid[i], values[i]);
             let (left, right) = (i.saturating_sub(1), (i + 1).min(grid.len() - 1));
             if left < right && values[i] <= values[left] && values[i] <= values[right] {
-                let n = golden_section(value, grid[left], grid[right], steps);
+                let n = bottom(value, grid[left], grid[right]);
                 offer(n, value(n));
             }
         }

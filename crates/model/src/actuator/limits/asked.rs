@@ -159,6 +159,14 @@ impl Asked {
         }
     }
 
+    /// Bounds of the functional's value where it is a sum over all samples, at a ratio that needs no evaluation.
+    pub fn raw_between(&self, candidate: &Candidate, ratio: f64) -> Option<[f64; 2]> {
+        let Demand::MeanCurrentSquared(standing) = self.demand else { return None };
+        let load = self.load(candidate);
+        let bounds = load.mean_current_squared_between(candidate.end(self.end), standing, ratio);
+        Some(bounds.map(|mean| load.share_of_time * mean))
+    }
+
     /// The polynomial of the ratio that is the demand's functional at a ratio (of a limit over samples: that of the
     /// sample that has it), and its sample. It is nowhere above the functional. `None` for limits that are no
     /// polynomial, or certainly kept.
