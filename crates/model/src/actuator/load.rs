@@ -116,8 +116,10 @@ pub struct Load {
     sweep: Option<Arc<Sweep>>,
     /// This load with slow samples at standstill.
     stood: Stood<Load>,
-    /// κ and time constant \[s\] that it was made for, where slow samples count as standstill.
-    stands_at: Option<(f64, f64)>,
+    /// κ and time constant \[s\] that it was made for, where slow samples count as standstill, and their degrees.
+    stands_at: Option<(f64, f64, Arc<[u8]>)>,
+    /// True if a spring bears a part of the torque: degrees of standstill are of the angles alone.
+    sprung: bool,
     /// Which sample follows which.
     steps: Arc<[Step]>,
     /// Where the gear is one of a family: the same on each piece of it.
@@ -259,6 +261,7 @@ impl Load {
             sweep: Some(Arc::new(Sweep::new(motion))),
             stood: Stood::default(),
             stands_at: None,
+            sprung: motion.sprung,
             steps: Step::all(motion).into(),
             pieces: Vec::new(),
             actuators,
@@ -332,7 +335,14 @@ impl Load {
 
     /// This load with samples at standstill as in another load of the same motion.
     pub fn standing_as(&self, other: &Load) -> &Load {
-        other.stands_at.map_or(self, |(kappa, tau)| self.standing(kappa, tau))
+        let Some((kappa, tau, degrees)) = &other.stands_at else { return self };
+        match self.sweep.as_deref() {
+            Some(sweep) if self.sprung && other.sprung => {
+                let make = |degrees: &[u8]| self.with_degrees(degrees, (*kappa, *tau));
+                self.stood.of(self, sweep.step_at(*kappa, *tau), || degrees.clone(), make)
+            }
+            _ => self.standing(*kappa, *tau),
+        }
     }
 
     /// True if degrees of standstill of samples that move were counted.
@@ -365,7 +375,7 @@ impl Load {
             stands: rest.iter().sum(),
             rest,
             sweep: None,
-            stands_at: Some(at),
+            stands_at: Some((at.0, at.1, degrees.into())),
             pieces: self.pieces.iter().map(|piece| piece.with_degrees(degrees, at)).collect(),
             actuators: self.actuators.iter().map(|each| each.standing(at.0, at.1).clone()).collect(),
             ..self.clone()

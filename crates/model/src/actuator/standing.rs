@@ -529,8 +529,13 @@ impl Sweep {
 
     /// Step of κ and time constant \[s\] for which the degrees of a winding are computed; `None` where there are none.
     pub(super) fn place(&self, kappa: f64, tau: f64) -> Option<(i32, f64)> {
-        let tau = self.rounded(tau);
-        (kappa < self.counts_below(tau)).then(|| (self.step_of(kappa), tau))
+        let (step, tau) = self.step_at(kappa, tau);
+        (kappa < self.counts_below(tau)).then_some((step, tau))
+    }
+
+    /// The same, wherever there are any.
+    pub(super) fn step_at(&self, kappa: f64, tau: f64) -> (i32, f64) {
+        (self.step_of(kappa), self.rounded(tau))
     }
 
     /// The κ from `low` to `high` at which degrees may change, in rising order.
