@@ -68,7 +68,7 @@ fn tighten(
         (Value::Margin(limit), _) => {
             let (limit, share) = (limit_named(limit)?, min?);
             // Of what the requirement's own reserve leaves.
-            joint.limits.keep_reserve(limit, 1.0 - (1.0 - own.reserve(limit)) * (1.0 - share));
+            joint.limits.keep_reserve(limit, 1.0 - own.left_of(limit) * (1.0 - share));
             Some(limit)
         }
         (Value::Reserve(limit), _) => {

@@ -48,7 +48,7 @@ impl Examined {
     pub fn reserve(&self, joint: &Joint, limit: &str) -> Option<f64> {
         let has_safety = LIMITS.iter().any(|l| l.name == limit && l.safety);
         let factor = if has_safety { joint.limits.safety } else { 1.0 };
-        let kept = 1.0 - joint.limits.reserve(limit);
+        let kept = joint.limits.left_of(limit);
         self.margin(limit).map(|margin| 1.0 - (1.0 - margin) * kept / factor)
     }
 }

@@ -187,7 +187,7 @@ fn once(table: &str, bus: &str, torque: f64, limits: &str) -> Robot {
     ))
 }
 
-/// Whether the only motor or module of a table leaves heat over the motion open at N = 9.
+/// True if heat over the motion of the only motor or module of a table cannot be judged at N = 9.
 fn heat_is_open(robot: &Robot, table: &str) -> bool {
     let catalog = catalog(table).with_modules([&"*".to_string()].into_iter(), |m| m);
     let joint = &robot.joints[0];

@@ -290,7 +290,7 @@ impl Candidate<'_> {
 
     /// The square of what a limit on the voltage leaves of it, by its name \[V²\].
     pub fn voltage_squared(&self, limit: &str) -> f64 {
-        (self.voltage() * (1.0 - self.joint.limits.reserve(limit))).powi(2)
+        (self.voltage() * self.joint.limits.left_of(limit)).powi(2)
     }
 
     /// Whether some effect of the motor, or the current that weakens its field, has to be evaluated at each ratio.
@@ -330,7 +330,7 @@ impl Candidate<'_> {
     fn beyond_which_braked(&self) -> Option<f64> {
         let bus = &self.robot.bus;
         let taken = bus.takes_back().filter(|_| bus.flux_braking)?;
-        Some(taken * (1.0 - self.joint.limits.reserve("regeneration")) / Drawn::new(bus).arrives())
+        Some(taken * self.joint.limits.left_of("regeneration") / Drawn::new(bus).arrives())
     }
 
     /// Why nothing is turned into heat by a current along d, where the requirement asks for that.
@@ -493,7 +493,7 @@ impl Candidate<'_> {
         self.current_for(1.0)
     }
 
-    /// The same for a share of the rise to the limit.
+    /// Rms current that heats the winding in steady state by a share of the rise to its limit \[A\].
     pub(super) fn current_for(&self, share: f64) -> Option<(f64, &'static str)> {
         let (limit, owner) = self.winding_temperature();
         let motor = self.motor;
@@ -514,7 +514,7 @@ impl Candidate<'_> {
         self.steady_current_for(1.0)
     }
 
-    /// The same for a share of the rise to the limit; of a rating the same share of its heat.
+    /// Largest root mean square current for a share of the rise to the limit \[A\]; a rating gives that share of its heat.
     pub(super) fn steady_current_for(&self, share: f64) -> Option<f64> {
         let of_torque = |torque: f64| match self.actuator.shortfall.saturates() {
             true => self.actuator.shortfall.current_squared(torque * torque).0.sqrt(),

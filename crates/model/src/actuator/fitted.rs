@@ -177,24 +177,23 @@ impl Shortfall {
         let per_square = 1.0 / (self.torque_constant * self.torque_constant);
         let (current_squared, slope) = match self.saturation {
             None => (squared * per_square, per_square),
-            Some(saturation) if saturation.slope == self.torque_constant => {
+            Some(saturation) => {
                 let share = squared * per_square / (saturation.current * saturation.current);
-                if share < SMALL * SMALL && squared <= saturation.end.0 * saturation.end.0 {
+                let is_tanh = saturation.slope == self.torque_constant;
+                if is_tanh && share < SMALL * SMALL && squared <= saturation.end.0 * saturation.end.0 {
                     let series = atanh_series(share);
-                    let slope = per_square * series / (1.0 - share);
-                    (squared * per_square * series * series, slope)
+                    (squared * per_square * series * series, per_square * series / (1.0 - share))
                 } else {
-                    self.beyond_series(saturation, squared)
+                    self.on_curve(saturation, squared)
                 }
             }
-            Some(saturation) => self.beyond_series(saturation, squared),
         };
         (current_squared, slope * self.proportional_heat)
     }
 
     /// Squared current of a squared torque of the saturated curve \[A²\] and its derivative \[A²/(N²·m²)\].
     #[inline(never)]
-    fn beyond_series(&self, saturation: Saturation, squared: f64) -> (f64, f64) {
+    fn on_curve(&self, saturation: Saturation, squared: f64) -> (f64, f64) {
         let torque = squared.sqrt();
         let (current, slope) = self.saturated(saturation, torque);
         // d(i²)/d(T²) = i i'/T, which is 1/K_T² where both vanish.
@@ -257,7 +256,7 @@ impl Saturation {
     }
 }
 
-/// Below this the series of [`atanh_series`] is exact to rounding.
+/// Upper end of the arguments at which [`atanh_series`] is exact to rounding.
 const SMALL: f64 = 0.2;
 
 /// `artanh(x)/x` of a squared x below [`SMALL`]²: Σ x²ᵏ/(2k+1) to k = 10, summed in pairs.

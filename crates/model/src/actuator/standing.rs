@@ -533,7 +533,7 @@ impl Sweep {
         (kappa < self.counts_below(tau)).then_some((step, tau))
     }
 
-    /// The same, wherever there are any.
+    /// Step of κ and time constant \[s\] by which degrees are kept, whether or not any is above zero.
     pub(super) fn step_at(&self, kappa: f64, tau: f64) -> (i32, f64) {
         (self.step_of(kappa), self.rounded(tau))
     }

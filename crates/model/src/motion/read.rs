@@ -148,15 +148,15 @@ fn contradiction(table: &impl Rows, samples: &Samples) -> Option<Problem> {
     })
 }
 
-/// Correlation from which one course is the other up to a factor.
+/// Correlation from which two signals are proportional.
 const SAME_COURSE: f64 = 0.9;
 /// Factor within which measured rates agree.
 const SAME_SIZE: f64 = 2.0;
-/// Samples from which a correlation says something.
+/// Fewest samples for a correlation.
 const SAMPLES: usize = 12;
 
-/// The sample at which a rate differs most from the differences of what it is the rate of, where it has their course but another
-/// size or sign. A noisy rate, or a rate of something noisy, has another course.
+/// The sample at which a rate differs most from the finite differences of its signal, where the two are proportional with another
+/// sign or a factor far from one. Noise in either lowers their correlation, and nothing is claimed.
 fn scaled_rate(time: &[f64], of: &[f64], rate: &[f64]) -> Option<usize> {
     let pair = |k: usize| [(of[k] - of[k - 1]) / (time[k] - time[k - 1]), 0.5 * (rate[k] + rate[k - 1])];
     let pairs = || (1..of.len()).map(pair);

@@ -56,6 +56,11 @@ impl Limits {
         self.reserves.iter().find(|(name, _)| *name == limit).map_or(0.0, |(_, share)| *share)
     }
 
+    /// The share of a limit that its reserve leaves.
+    pub fn left_of(&self, limit: &str) -> f64 {
+        1.0 - self.reserve(limit)
+    }
+
     /// Keeps at least this share of a limit in reserve.
     pub fn keep_reserve(&mut self, limit: &'static str, share: f64) {
         match self.reserves.iter_mut().find(|(name, _)| *name == limit) {

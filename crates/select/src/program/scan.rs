@@ -415,7 +415,7 @@ pub(super) fn least(value: &impl Fn(f64) -> f64, intervals: &[(f64, f64)], count
     least_by(value, intervals, count, &|value, a, b| golden_section(value, a, b, FULLY))
 }
 
-/// The same with a search for the bottom of a valley.
+/// The least value over some intervals, with a search for the bottom of a valley.
 fn least_by<F: Fn(f64) -> f64>(
     value: &F,
     intervals: &[(f64, f64)],

@@ -588,7 +588,7 @@ impl<'e> Equations<'e> {
         if asked.owner == "module" && asked.limit.name != "rated_torque" && self.all.iter().any(of_flange) {
             return None;
         }
-        let kept = 1.0 - candidate.joint.limits.reserve(asked.limit.name);
+        let kept = candidate.joint.limits.left_of(asked.limit.name);
         let safety = candidate.joint.limits.safety;
         let scale = |column: &'static str| self.scale(column, over, derive);
         let squared = |demand: Number, bound: Number| {

@@ -83,8 +83,8 @@ fn lifting(c: &Candidate) -> Option<f64> {
     let most = bus.max_voltage.filter(|_| resistance > 0.0)?;
     let of_brake = bus.brake_power.unwrap_or(0.0);
     let (lifted, comes_back) = (most * (most - bus.voltage) / resistance + of_brake, bus.goes_back() + of_brake);
-    let kept = |limit: &str| 1.0 - c.joint.limits.reserve(limit);
-    let is_less = comes_back * kept("regeneration") <= lifted * kept("bus_overvoltage");
+    let limits = &c.joint.limits;
+    let is_less = comes_back * limits.left_of("regeneration") <= lifted * limits.left_of("bus_overvoltage");
     (bus.goes_back() > 0.0 && !is_less).then_some(lifted)
 }
 

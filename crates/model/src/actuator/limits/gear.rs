@@ -259,7 +259,7 @@ fn average_speed(candidate: &Candidate, ratio: f64) -> Verdict {
     if candidate.is_evaluated() {
         return candidate.at_ratio(ratio, |here| average_speed(here, ratio));
     }
-    let kept = 1.0 - candidate.joint.limits.reserve("gear_average_speed");
+    let kept = candidate.joint.limits.left_of("gear_average_speed");
     let sustained = candidate.gear.ratings.rated_speed.unwrap_or(0.0) * kept;
     match candidate.load.has_durations && ratio * candidate.load.running_speed() <= sustained {
         true => Verdict::Kept,

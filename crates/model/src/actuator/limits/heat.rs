@@ -20,11 +20,6 @@ pub(super) const STANDSTILL: &str = "standstill_holding";
 /// Temperature over the motion.
 const PEAK: &str = "winding_peak_temperature";
 
-/// The share of the rise to the highest temperature that the winding may have over the motion: what the reserve leaves.
-fn share_of_rise(c: &Candidate) -> f64 {
-    1.0 - c.joint.limits.reserve(PEAK)
-}
-
 /// Limits, in the order in which they are reported.
 pub(super) const LIMITS: &[Limit] = &[
     Limit {
@@ -45,8 +40,8 @@ pub(super) const LIMITS: &[Limit] = &[
             Some((bound, owner)) => {
                 // A winding that is not followed over the motion has its reserve of temperature here.
                 let not_followed = c.two_node().is_none() || !c.load.has_course();
-                let reserved = c.current_for(share_of_rise(c)).filter(|_| not_followed);
-                let left = 1.0 - c.joint.limits.reserve("winding_temperature");
+                let reserved = c.current_for(c.joint.limits.left_of(PEAK)).filter(|_| not_followed);
+                let left = c.joint.limits.left_of("winding_temperature");
                 heating(c, 0.0, reserved.map_or(bound, |(current, _)| bound.min(current / left)), owner)
             }
             None if c.joint.limits.winding_temperature.is_some() => Prepared::Unknown(NO_RESISTANCES),
@@ -129,7 +124,7 @@ fn heat_over_the_motion(candidate: &Candidate, ratio: f64) -> Verdict {
         return candidate.at_ratio(ratio, |here| heat_over_the_motion(here, ratio));
     }
     let (load, actuator) = (candidate.load, &candidate.actuator);
-    let share = share_of_rise(candidate);
+    let share = candidate.joint.limits.left_of(PEAK);
     let Some(limit) = candidate.steady_current_for(share) else { return Verdict::Unknown(NO_HEAT) };
     // A continuous current says nothing of the temperature that a requirement states.
     if candidate.joint.limits.winding_temperature.is_some() && candidate.thermal_current().is_none() {
@@ -261,7 +256,7 @@ pub(super) fn heat_of_drag(candidate: &Candidate, ratio: f64) -> Verdict {
     let stays = match followed {
         Some(node) => {
             let warmed = TwoNode { ambient: node.ambient + rise, ..node };
-            let left = share_of_rise(candidate) * (limit - node.ambient) - rise;
+            let left = candidate.joint.limits.left_of(PEAK) * (limit - node.ambient) - rise;
             load.winding_peak_is_within(actuator, &warmed, ratio, left)
                 || load.winding_peak(actuator, &warmed, ratio).0 <= left
         }
@@ -272,7 +267,7 @@ pub(super) fn heat_of_drag(candidate: &Candidate, ratio: f64) -> Verdict {
             };
             let (motor, ambient) = (candidate.motor, candidate.robot.ambient + rise);
             let settled = thermal::winding_temperature(
-                load.share_of_time * mean / (1.0 - candidate.joint.limits.reserve("winding_temperature")).powi(2),
+                load.share_of_time * mean / candidate.joint.limits.left_of("winding_temperature").powi(2),
                 motor.resistance,
                 motor.reference_temperature,
                 whole,

@@ -75,7 +75,7 @@ pub static LIMITS: &[Limit] = &ALL;
 impl Limit {
     /// Whether the limit applies to a candidate, and how.
     pub fn check(&'static self, candidate: &Candidate) -> Check {
-        let kept = 1.0 - candidate.joint.limits.reserve(self.name);
+        let kept = candidate.joint.limits.left_of(self.name);
         match module::of_module(self, candidate).unwrap_or_else(|| (self.prepare)(candidate)) {
             Prepared::NotAsked => Check::NotAsked,
             Prepared::Unknown(what) => Check::Unknown(what),

@@ -88,7 +88,7 @@ pub(super) const LIMITS: &[Limit] = &[
             let Some(inside) = inside(c) else { return Prepared::NotAsked };
             let (low, high, volt) =
                 (inside.module.sheet.min_voltage, inside.module.sheet.max_voltage, c.robot.bus.voltage);
-            let kept = 1.0 - c.joint.limits.reserve("supply_range");
+            let kept = c.joint.limits.left_of("supply_range");
             match (low, high) {
                 (Some(low), _) if volt * kept < low.value => plain(Demand::Constant(low.value), 1.0, volt, "module"),
                 // The voltage that its ratings refer to is within the range.
@@ -421,7 +421,7 @@ pub(super) fn is_judged_by_rating(candidate: &Candidate) -> bool {
 pub(super) fn heat_by_rating(candidate: &Candidate, _: f64) -> Verdict {
     let Some(inside) = inside(candidate) else { return Verdict::Kept };
     let rated = inside.module.sheet.rated_torque.map_or(f64::INFINITY, |p| p.value) * candidate.derating();
-    let rated = rated * (1.0 - candidate.joint.limits.reserve("rated_torque"));
+    let rated = rated * candidate.joint.limits.left_of("rated_torque");
     let Some((course, repeats)) = candidate.load.flange_course(inertia(candidate, inside)) else {
         return Verdict::Kept;
     };

@@ -106,7 +106,7 @@ fn saturated_current(candidate: &Candidate, ratio: f64) -> Verdict {
     let share = LEAST_LINEARITY * LEAST_LINEARITY_AT * (largest / peak).min(1.0);
     let excess = if share > 0.0 { share.atanh() / share } else { 1.0 };
     let linear = candidate.joint.limits.safety * largest / candidate.motor.torque_constant;
-    let kept = 1.0 - candidate.joint.limits.reserve("peak_current");
+    let kept = candidate.joint.limits.left_of("peak_current");
     match candidate.peak_current().map(|(bound, owner)| (bound * kept, owner)) {
         _ if excess < 1.0 + EXCESS_WORTH_A_WORD => Verdict::Kept,
         Some((bound, _)) if linear <= bound && linear * excess > bound => Verdict::Unknown(

@@ -70,7 +70,7 @@ pub(super) fn is_on_parts(name: &str) -> bool {
 /// A limit on a number of all parts. Where a part is not known, what is known may already be too much; else it is not judged.
 fn on_parts(c: &Candidate, name: &str, bound: Option<f64>, whole: Option<Whole>, factor: f64) -> Prepared {
     let (Some(bound), Some(whole)) = (bound, whole) else { return Prepared::NotAsked };
-    let kept = bound * (1.0 - c.joint.limits.reserve(name));
+    let kept = bound * c.joint.limits.left_of(name);
     match whole.missing {
         Some(why) if whole.known <= kept * (1.0 + CERTAINLY) => Prepared::Unknown(why),
         _ => plain(Demand::Parts(whole), factor, bound * factor, "requirement"),
