@@ -7,7 +7,7 @@ use super::balance::{Balance, Corrections, Setting};
 use super::regression::{Blocks, covariance, residual, solve, squares};
 use super::robust;
 use super::work::{Kind, Work};
-use crate::answer::{About, Artefact, ArtefactKind, Finding, Target};
+use crate::answer::{About, Artefact, ArtefactKind, Base, Finding, Target};
 use crate::{Bench, BenchKind, Channel, signals};
 use gearwise_model::effects::Variable;
 use gearwise_model::numerics::line_search::golden_section;
@@ -19,10 +19,12 @@ const GAIN: f64 = 0.12;
 const SCATTER: f64 = 3.0 * 1.48;
 /// Least share of the squared error that a lag must take away.
 const WORTH: f64 = 0.02;
-/// Share of a passive torque's variance that its speed must make up to say its sign.
+/// Share of the variance that speed and acceleration must make up to say a sign.
 const FOLLOWS: f64 = 0.5;
 /// How many times its speed one way the speed the other way may be for that.
 const RANGES: f64 = 5.0;
+/// Standard errors beyond which a sign is sure.
+const SURE: f64 = 6.0;
 /// A lag beyond this share of the largest is at the end of the search.
 const AT_THE_END: f64 = 0.95;
 /// Largest lag that is looked for \[s\].
@@ -132,8 +134,17 @@ pub fn find(bench: &Bench, balance: Balance, setting: &impl Fn(Corrections) -> S
     let mut corrections = Corrections::none(balance.logs.len());
     let target = balance.target;
     corrections.gains = gains(&balance);
-    for (gain, sign) in corrections.gains.iter_mut().zip(passive_signs(bench, &balance)) {
-        *gain *= sign;
+    for (log, sign) in passive_signs(bench, &balance).into_iter().enumerate() {
+        corrections.gains[log] *= sign;
+        let is_turned = corrections.gains[log] < 0.0;
+        match (is_turned, takes_torque(&balance, log)) {
+            (true, Some(true)) => {
+                corrections.gains[log] *= -1.0;
+                corrections.signs[log].current = -1.0;
+            }
+            (false, Some(false)) => corrections.signs[log].motion = -1.0,
+            _ => {}
+        }
     }
     if shows_lags(bench, &balance) {
         corrections = lags(bench, target, corrections, setting, &errors);
@@ -165,7 +176,7 @@ fn passive_signs(bench: &Bench, balance: &Balance) -> Vec<f64> {
             let error = covariance(&blocks, &solution, own)[(0, 0)].sqrt();
             // Its zero is not known: only a torque that goes with the speed over much of its range says its sign.
             let follows = squares(&total, &solution.coefficients) < (1.0 - FOLLOWS) * total[(2, 2)];
-            let sure = error.is_finite() && solution.coefficients[0] < -6.0 * error;
+            let sure = error.is_finite() && solution.coefficients[0] < -SURE * error;
             // At one speed it is the torque that makes the speed waver.
             let own_speeds = || (0..balance.rows.len()).filter(|k| balance.rows.log[*k] == log).map(|k| turning[k]);
             let at = |share| signals::quantile(own_speeds().collect(), share).unwrap_or(0.0);
@@ -175,6 +186,31 @@ fn passive_signs(bench: &Bench, balance: &Balance) -> Vec<f64> {
             if sure && follows && ranges { -1.0 } else { 1.0 }
         })
         .collect()
+}
+
+/// Whether inertia and friction of a log, driven by a current, take torque as they must; `false` where the motion has another sign
+/// than the torque. `None` where they are not sure, or explain little.
+fn takes_torque(balance: &Balance, log: usize) -> Option<bool> {
+    let inertia = balance.base.iter().position(|b| b.which == Base::Inertia)?;
+    let driving = balance.base_column(0);
+    if balance.target != Target::Torque || driving.iter().all(|v| *v == 0.0) {
+        return None;
+    }
+    let taken = [balance.base_column(inertia), balance.function(|at| at.speed), balance.function(|at| at.direction)];
+    let target = balance.target_column();
+    let own = |b: usize| balance.rows.block_log[b] == log;
+    let left = |columns: &[&[f64]]| {
+        let blocks = Blocks::new(&balance.rows, columns, &target);
+        let total = blocks.total(own);
+        let solution = solve(&total);
+        let covariance = covariance(&blocks, &solution, own);
+        let sure: Vec<f64> = (0..columns.len()).map(|k| solution.coefficients[k] / covariance[(k, k)].sqrt()).collect();
+        (squares(&total, &solution.coefficients), sure)
+    };
+    let (alone, _) = left(&[&driving]);
+    let (with, sure) = left(&[&driving, &taken[0], &taken[1], &taken[2]]);
+    let surest = sure[1..].iter().filter(|t| t.is_finite()).max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
+    (surest.abs() > SURE && with < (1.0 - FOLLOWS) * alone).then_some(*surest > 0.0)
 }
 
 /// Whether a late channel would show: over time, where something moves; and not beside a wind-up, which looks the same.
@@ -193,17 +229,22 @@ pub fn list(work: &Work, corrections: &Corrections) -> Vec<Artefact> {
         Target::WindUp | Target::Position => "position",
     };
     let mut found = Vec::new();
-    for (log, gain) in corrections.gains.iter().enumerate().filter(|(_, g)| **g != 1.0) {
-        let place = if corrections.gains.len() == 1 {
-            channel.to_string()
-        } else {
-            format!("{channel} of {}", balance.names[log])
+    for (log, (gain, signs)) in corrections.gains.iter().zip(&corrections.signs).enumerate() {
+        let place = |channel: &str| match corrections.gains.len() {
+            1 => channel.to_string(),
+            _ => format!("{channel} of {}", balance.names[log]),
         };
-        if *gain < 0.0 {
-            found.push(Artefact { kind: ArtefactKind::Sign, channel: place.clone(), value: -1.0, unit: "1" });
+        let signs = [(channel, *gain), ("current", signs.current), ("motion", signs.motion)];
+        for (channel, _) in signs.into_iter().filter(|(_, sign)| *sign < 0.0) {
+            found.push(Artefact { kind: ArtefactKind::Sign, channel: place(channel), value: -1.0, unit: "1" });
         }
         if (gain.abs() - 1.0).abs() > 1e-9 {
-            found.push(Artefact { kind: ArtefactKind::Gain, channel: place, value: 1.0 / gain.abs(), unit: "1" });
+            found.push(Artefact {
+                kind: ArtefactKind::Gain,
+                channel: place(channel),
+                value: 1.0 / gain.abs(),
+                unit: "1",
+            });
         }
     }
     for (name, lag) in [(channel, corrections.target_lag), ("velocity", corrections.motion_lag)] {

@@ -10,8 +10,10 @@ use gearwise_model::effects;
 
 /// Between which multiples of what is declared a number may lie; beyond them it is a column that is wrong.
 const WILD: std::ops::Range<f64> = 0.2..5.0;
-/// Numbers of which that holds: an inertia has what hangs at the shaft.
+/// Numbers of which that holds.
 const OF_ROW: [Base; 3] = [Base::TorqueConstant, Base::BackEmf, Base::Resistance];
+/// The range of an inertia, which has all that hangs at the shaft.
+const WILD_INERTIA: std::ops::Range<f64> = 0.2..20.0;
 
 /// The verdict in a sentence that anyone understands, and what the bench does not show.
 pub fn sentence(bench: &Bench, reports: &[Report]) -> String {
@@ -68,13 +70,15 @@ fn said(bench: &Bench, reports: &[Report], unseen: impl Fn(&[Report]) -> String)
             let times = 1.0 + change;
             let name = effects::in_words(&p.name);
             let is_of_row = OF_ROW.iter().any(|base| base.name() == p.name);
-            Some(match WILD.contains(&times) || !is_of_row {
-                true => format!("{name} {} % {more}", number((1e3 * change.abs()).round() / 10.0)),
-                false => format!(
-                    "{name} {} times the declared one (no row is off by so much: check unit, side and scale of the columns)",
-                    number(round(times))
-                ),
-            })
+            let remedy = match p.name == Base::Inertia.name() {
+                true if !WILD_INERTIA.contains(&times) => "check the columns' units and what hangs at the shaft",
+                false if is_of_row && !WILD.contains(&times) => {
+                    "no row is off by so much: check unit, side and scale of the columns"
+                }
+                _ => return Some(format!("{name} {} % {more}", number((1e3 * change.abs()).round() / 10.0))),
+            };
+            let times: f64 = format!("{times:.2e}").parse().unwrap_or(times);
+            Some(format!("{name} {} times the declared one ({remedy})", number(times)))
         })
         .collect();
     let errors = |report: &Report| -> Option<String> {

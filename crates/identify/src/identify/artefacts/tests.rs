@@ -259,3 +259,33 @@ fn a_zero_beyond_all_that_was_read_is_said() {
     let [About::Zero { channel: Channel::Torque, zero, most }] = found(-1.0, 0.0)[..] else { panic!("it is said") };
     assert!((zero.abs() - 6.0).abs() < 0.1 && (most - 3.3).abs() < 0.05, "{zero} {most}");
 }
+
+/// The channel with the other sign of a machine with inertia and friction: of torque, current and motion one is turned, and two of
+/// them are the third.
+#[test]
+fn the_channel_of_the_other_sign_is_told() {
+    let setting = |corrections: Corrections| Setting { corrections, band: None, rows: 24_000, samples: usize::MAX };
+    let told = |[of_motion, of_current, of_torque]: [f64; 3], inertia: f64, drag: f64| {
+        let row = |k: usize| {
+            let t = 1e-3 * k as f64;
+            let current = 3.0 * (11.0 * t).sin() + 2.0 * (37.3 * t).cos();
+            let (speed, change) =
+                (60.0 * (3.0 * t).sin() + 25.0 * (17.1 * t).cos(), 180.0 * (3.0 * t).cos() - 427.5 * (17.1 * t).sin());
+            let torque = 6.0 * (CONSTANT * current - inertia * change - drag * speed) + 0.02 * noise(k);
+            vec![t, of_motion * (speed + 0.02 * noise(k + 7000)), of_current * current, of_torque * torque]
+        };
+        let bench = bench_of("dynamometer", 6.0, &OVER_TIME, &[(0..3000).map(row).collect()], 0);
+        let corrected = find(&bench, Balance::clone(&work(&bench).balance), &setting);
+        [corrected.signs[0].motion, corrected.signs[0].current, corrected.gains[0]]
+    };
+    for (inertia, drag) in [(1e-3, 0.0), (0.0, 2e-3), (5e-4, 1e-3)] {
+        for turned in [[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.0, -1.0]] {
+            assert_eq!(told(turned, inertia, drag), turned, "{inertia} {drag}");
+            let two = turned.map(|sign| -sign);
+            assert_eq!(told(two, inertia, drag), turned, "{inertia} {drag}");
+        }
+    }
+    // Nothing but the torque of the current: whose sign it is nobody knows, and the sensor's is taken.
+    assert_eq!(told([1.0, -1.0, 1.0], 0.0, 0.0), [1.0, 1.0, -1.0]);
+    assert_eq!(told([-1.0, 1.0, 1.0], 0.0, 0.0), [1.0, 1.0, 1.0]);
+}

@@ -1,6 +1,6 @@
 //! The equation, made of the stretches of all logs that take part.
 
-use super::grid::Gridded;
+use super::grid::{Gridded, Signs};
 use super::layout::{choose_band, lay_out};
 use super::model::Model;
 use super::stretch::{Corrections, Stretch, stretch};
@@ -102,7 +102,8 @@ impl Balance {
                 } else {
                     range.len()
                 };
-                let grid = Gridded { log, range, start, step, count, linear };
+                let signs = setting.corrections.signs.get(index).copied().unwrap_or(Signs::DECLARED);
+                let grid = Gridded { log, range, start, step, count, linear, signs };
                 let gain = setting.corrections.gains.get(index).copied().unwrap_or(1.0);
                 match stretch(&grid, index, balanced, declared, &model, &setting.corrections, gain) {
                     Some(s) => stretches.push(s),

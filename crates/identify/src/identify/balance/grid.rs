@@ -13,6 +13,33 @@ pub(super) struct Gridded<'a> {
     pub step: f64,
     pub count: usize,
     pub linear: bool,
+    pub signs: Signs,
+}
+
+/// Signs of the channels of a log: −1 where they are counted the other way round.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Signs {
+    /// Of the current.
+    pub current: f64,
+    /// Of all positions, velocities and accelerations.
+    pub motion: f64,
+}
+
+impl Signs {
+    /// None is turned.
+    pub const DECLARED: Signs = Signs { current: 1.0, motion: 1.0 };
+
+    fn of(self, channel: Channel) -> f64 {
+        match channel {
+            Channel::Current => self.current,
+            Channel::MotorPosition
+            | Channel::OutputPosition
+            | Channel::MotorVelocity
+            | Channel::OutputVelocity
+            | Channel::OutputAcceleration => self.motion,
+            _ => 1.0,
+        }
+    }
 }
 
 impl Gridded<'_> {
@@ -27,17 +54,13 @@ impl Gridded<'_> {
         } else {
             values
         };
-        if self.step == 0.0 {
-            return Some(Signal::of(channel, values[self.range.clone()].to_vec()));
-        }
-        signals::on_grid(
-            &self.log.time[self.range.clone()],
-            &values[self.range.clone()],
-            self.start,
-            self.step,
-            self.count,
-        )
-        .map(|values| Signal::of(channel, values))
+        let values = &values[self.range.clone()];
+        let on_grid = match self.step == 0.0 {
+            true => values.to_vec(),
+            false => signals::on_grid(&self.log.time[self.range.clone()], values, self.start, self.step, self.count)?,
+        };
+        let signal = Signal::of(channel, on_grid);
+        Some(if self.signs.of(channel) < 0.0 { signal.map(|v| -v) } else { signal })
     }
 
     /// Which points lie in a stretch that is left out.

@@ -1,6 +1,6 @@
 //! One stretch of a log, brought to the numbers of one equation.
 
-use super::grid::Gridded;
+use super::grid::{Gridded, Signs};
 use super::model::{Model, Weight};
 use super::motion::{Motion, motion};
 use super::targets::{Balanced, Seen};
@@ -21,6 +21,8 @@ pub struct Corrections {
     pub motion_lag: f64,
     /// What each log's target is multiplied with.
     pub gains: Vec<f64>,
+    /// Signs of each log's channels but the target.
+    pub signs: Vec<Signs>,
     /// Load-dependent loss of the gear as far as it is known: what the transmitted torque follows with from
     /// the motor's.
     pub gear_loss: f64,
@@ -31,7 +33,14 @@ pub struct Corrections {
 impl Corrections {
     /// None.
     pub fn none(logs: usize) -> Corrections {
-        Corrections { target_lag: 0.0, motion_lag: 0.0, gains: vec![1.0; logs], gear_loss: 0.0, weight: None }
+        Corrections {
+            target_lag: 0.0,
+            motion_lag: 0.0,
+            gains: vec![1.0; logs],
+            signs: vec![Signs::DECLARED; logs],
+            gear_loss: 0.0,
+            weight: None,
+        }
     }
 }
 
