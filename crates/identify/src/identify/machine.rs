@@ -6,6 +6,10 @@ use crate::signals::{self, LowPass};
 
 /// Scales that differ by less are not told: estimates and coarse encoders are off by some per cent.
 const SCALE: f64 = 0.15;
+/// Ratios of two positions, whose scales are exact, that differ by less are not told.
+const OF_RATIO: f64 = 0.03;
+/// Most that a ratio may leave of the motor's position, as a share of what it explains beyond the declared one.
+const LEFT: f64 = 0.2;
 /// Correlation from which two channels follow each other, and below which they do not.
 const FOLLOWS: (f64, f64) = (0.9, 0.3);
 /// Least times its noise that a speed must move to be compared.
@@ -35,12 +39,59 @@ pub fn contradictions(log: &Log, ratio: f64, linear: bool, pole_pairs: Option<u3
     .into_iter()
     .filter_map(|(channel, factor)| Some((channel, speed(log, channel, factor, linear)?)))
     .collect();
-    // Each against the first position that there is; one contradiction is enough.
-    let Some(((against, reference), others)) = speeds.split_first() else { return Vec::new() };
     let Some(step) = longest(log).map(|r| signals::median_step(&log.time[r])) else { return Vec::new() };
-    let mut found =
-        others.iter().filter_map(|(channel, own)| compare(*channel, own, *against, reference, step, ratio, pole_pairs));
+    let across = across(log, ratio, linear);
+    if let Some(Across::Another { factor }) = across {
+        return vec![About::Scale {
+            channel: Channel::OutputPosition,
+            against: Channel::MotorPosition,
+            factor,
+            reads: reads(factor, ratio, pole_pairs).or(Some("as if the ratio were the declared one divided by that")),
+        }];
+    }
+    // Each against the first position that there is, on its own side where the gear's yield is known; one contradiction is enough.
+    let is_of_output = |c: Channel| matches!(c, Channel::OutputPosition | Channel::OutputVelocity);
+    let mut found = speeds.iter().filter_map(|(channel, own)| {
+        let is_near = |other: &Channel| across.is_none() || is_of_output(*other) == is_of_output(*channel);
+        let (against, reference) = speeds.iter().find(|(other, _)| is_near(other)).filter(|(o, _)| o != channel)?;
+        compare(*channel, own, *against, reference, step, ratio, pole_pairs)
+    });
     found.next().into_iter().collect()
+}
+
+/// The two sides of a gear that yields.
+enum Across {
+    /// They turn by the declared ratio.
+    Declared,
+    /// They turn by another one, this factor off.
+    Another { factor: f64 },
+}
+
+/// The ratio by which the positions on both sides of the gear turn, once the yield under its load is taken out:
+/// `q_motor = N q_output + c τ + q_0`. `None` where positions or load are missing, or where that does not explain the motor's position.
+fn across(log: &Log, ratio: f64, linear: bool) -> Option<Across> {
+    let opened = |channel| log.channel(channel).map(|v| if linear { v.to_vec() } else { signals::unwrapped(v) });
+    let [motor, output] = [opened(Channel::MotorPosition)?, opened(Channel::OutputPosition)?];
+    let load = log.channel(Channel::Torque).or_else(|| log.channel(Channel::Current))?;
+    let range = longest(log)?;
+    let rows = || range.clone().map(|k| [output[k], load[k], motor[k]]).filter(|row| row.iter().all(|x| x.is_finite()));
+    let count = rows().count() as f64;
+    let means = rows().fold([0.0; 3], |sum, row| [0, 1, 2].map(|i| sum[i] + row[i] / count));
+    let mut squares = [[0.0; 3]; 3];
+    for row in rows() {
+        let row: [f64; 3] = [0, 1, 2].map(|i| row[i] - means[i]);
+        (0..9).for_each(|k| squares[k / 3][k % 3] += row[k / 3] * row[k % 3] / count);
+    }
+    let [[oo, ol, om], [_, ll, lm], [_, _, mm]] = squares;
+    // Each apart from its part that follows the load.
+    let (own, both, of_motor) = (oo - ol * ol / ll, om - ol * lm / ll, mm - lm * lm / ll);
+    let found = both / own;
+    let (apart, left) = ((found - ratio).abs() * own.sqrt(), (of_motor - found * both).max(0.0).sqrt());
+    let factor = ratio / found;
+    match (factor - 1.0).abs() > OF_RATIO {
+        true => (factor > 0.0 && left < LEFT * apart).then_some(Across::Another { factor }),
+        false => (left < LEFT * of_motor.sqrt()).then_some(Across::Declared),
+    }
 }
 
 /// The longest stretch between gaps.
@@ -270,6 +321,39 @@ mod tests {
         assert!(matches!(said(-1.0, 0.0)[..], [About::Sign { channel: Channel::MotorVelocity, .. }]));
         assert!(matches!(said(1.0, 60.0)[..], [About::Unrelated { .. }]));
         assert!(said(-1.0, 0.0)[0].contradicts());
+    }
+
+    /// Positions on both sides of a gear of 9 that yields: a declared ratio of 8 is told, and the true one is not, however soft it is.
+    #[test]
+    fn positions_by_another_ratio_than_the_declared_contradict_it() {
+        let said = |declared: f64, yields: f64, wild: f64| {
+            let row = |k: usize| {
+                let t = 2e-3 * k as f64;
+                let output = 2.0 * (3.0 * t).sin() + 0.4 * (7.1 * t).cos();
+                let torque = 5.0 * (2.1 * t).sin() + 4.0 * output;
+                let motor = 9.0 * (output + yields * torque + wild * (11.0 * t).sin());
+                let measured =
+                    [motor + 1e-3 * noise(k), output + 1e-4 * noise(k + 900), torque + 0.1 * noise(k + 1900)];
+                [t].into_iter().chain(measured).chain([torque / 9.0]).collect()
+            };
+            let columns = [
+                "time = { name = \"0\", unit = \"s\" }",
+                "motor_position = { name = \"1\", unit = \"rad\" }",
+                "output_position = { name = \"2\", unit = \"rad\" }",
+                "torque = { name = \"3\", unit = \"N*m\", side = \"output\" }",
+                "current = { name = \"4\", unit = \"A\", convention = \"q_axis\" }",
+            ];
+            let log = bench_of("dynamometer", declared, &columns, &[(0..3000).map(row).collect()], 0).logs.remove(0);
+            contradictions(&log, declared, false, Some(7))
+        };
+        for yields in [0.0, 1e-3, 2e-2, 0.1] {
+            assert_eq!(said(9.0, yields, 0.0), []);
+            let found = said(8.0, yields, 0.0);
+            let [About::Scale { factor, .. }] = found[..] else { panic!("{found:?}") };
+            assert!((factor / (8.0 / 9.0) - 1.0).abs() < 0.01, "{factor}");
+        }
+        // Another motion on top says nothing of a ratio.
+        assert_eq!(said(8.6, 0.0, 0.2), []);
     }
 
     /// A duty that is a multiple of what the controller asks for contradicts it; its own does not, nor one that another law makes.
