@@ -14,7 +14,7 @@ use super::written::{DesignText, Ruled};
 use super::{Answer, Failure, Ground, Watch, balanced, settled};
 use crate::catalog::Catalog;
 use crate::design::answer::{Design, JointResult, Rejected, RobotResult};
-use crate::design::many::{Looked, with_samples};
+use crate::design::many::{Looked, with_exceeded, with_samples};
 use crate::design::mount::{JointDemand, Site};
 use crate::design::optimize::optimize_with;
 use crate::design::options::Options;
@@ -188,24 +188,48 @@ pub struct Optimized {
 pub fn optimize(ready: Ready, asked: &Asked, names: Names, watch: Watch) -> Result<Optimized, Failure> {
     let Ready { plain, ruled, catalog } = ready;
     let options = Options { keep: asked.keep, joint: asked.joint, ..watch.options(asked.only_checked) };
-    let (robot, looked) = with_samples(ruled.robot.clone(), &catalog, options)?;
-    let ground = Ground { robot, catalog, watch };
-    let cell = Cell::try_new(ground, |ground| find(ground, &plain, &ruled, asked, names))?;
+    let (robot, mut looked) = with_samples(ruled.robot.clone(), &catalog, options)?;
+    let mut ground = Ground { robot, catalog, watch };
+    let cell = loop {
+        let found = Cell::try_new_or_recover(ground, |ground| find(ground, &mut looked, &plain, &ruled, asked, names));
+        match found {
+            Ok(cell) => break cell,
+            Err((before, Unfound::Exceeds(robot))) => ground = Ground { robot: *robot, ..before },
+            Err((_, Unfound::Failed(why))) => return Err(why),
+        }
+    };
     Ok(Optimized { cell, looked, top: asked.keep.unwrap_or(TOP) })
+}
+
+/// Reasons for a search without an answer.
+enum Unfound {
+    Failed(Failure),
+    /// Its designs exceed limits at samples that it did not look at: the robot with them.
+    Exceeds(Box<Robot>),
+}
+
+impl<E: Into<Failure>> From<E> for Unfound {
+    fn from(why: E) -> Unfound {
+        Unfound::Failed(why.into())
+    }
 }
 
 fn find<'a>(
     ground: &'a Ground,
+    looked: &mut [Looked],
     plain: &Robot,
     ruled: &Ruled,
     asked: &Asked,
     names: Names,
-) -> Result<Found<'a>, Failure> {
+) -> Result<Found<'a>, Unfound> {
     let Ground { robot, catalog, watch } = ground;
     let catalog: &Catalog = catalog;
     let search = Options { joint: asked.joint, ..watch.options(asked.only_checked) };
     let mut result = optimize_with(robot, catalog, Options { keep: asked.keep, ..search })?;
     let search = Options { tick: &|| (), ..search };
+    if let Some(more) = with_exceeded(&result, looked, catalog, search)? {
+        return Err(Unfound::Exceeds(Box::new(more)));
+    }
     let target = asked.design.as_deref();
     let whole = asked.joint.is_none() && (robot.is_coupled() || asked.whole);
     let ground = (plain, catalog);

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::answer::{Design, JointResult};
+use super::answer::{Design, JointResult, RobotResult};
 use super::evaluate::{Evaluation, FEASIBILITY_TOLERANCE, Margin, Prepared};
 use super::loads::{MANY, remember};
 use super::mount::{JointDemand, Mount};
@@ -56,8 +56,8 @@ fn is_many(joint: &Joint) -> bool {
         && !peak(Quantity::PeakPower)
 }
 
-/// A robot with the samples that a search has to look at, so that what it finds keeps the limits at all samples; and how
-/// that was found out. A robot whose motions are short stays as it is.
+/// A robot with the samples that a search should look at, so that what it finds keeps the limits at all samples, which
+/// [`with_exceeded`] makes sure of; and how they were found. A robot whose motions are short stays as it is.
 ///
 /// # Errors
 /// It was stopped.
@@ -73,6 +73,8 @@ pub fn with_samples(robot: Robot, catalog: &Catalog, options: Options) -> Result
     let mut looked: Vec<BTreeSet<usize>> = places.iter().map(|j| extremes(&whole.joints[*j].motion)).collect();
     let mut rounds = vec![0; places.len()];
     let mut robot = robot;
+    // A design that keeps the limits at all samples stays the best of its motor when more of them are looked at.
+    let mut left = catalog.clone();
     for round in 0.. {
         for (k, (place, looked)) in places.iter().zip(&looked).enumerate() {
             let joint = &mut robot.joints[*place];
@@ -87,19 +89,25 @@ pub fn with_samples(robot: Robot, catalog: &Catalog, options: Options) -> Result
         if round == ROUNDS {
             break;
         }
-        let found = optimize_with(&robot, catalog, Options { tick: &|| (), reasons: false, joint: None, ..options })?;
-        let mut grew = false;
+        let options = Options { tick: &|| (), reasons: false, leftover: false, joint: None, ..options };
+        let found = optimize_with(&robot, &left, options)?;
+        let mut motors = BTreeSet::new();
         for (k, place) in places.iter().enumerate() {
-            let fresh = exceeded(&whole, &demands[k], &found.joints[*place], stop)?;
-            let before = looked[k].len();
-            looked[k].extend(fresh);
-            if looked[k].len() > before {
-                (grew, rounds[k]) = (true, round + 1);
+            for (motor, fresh) in exceeded((&whole, &whole.joints[*place]), &demands[k], &found.joints[*place], stop)? {
+                let before = looked[k].len();
+                looked[k].extend(fresh);
+                if looked[k].len() > before {
+                    motors.insert(motor);
+                    rounds[k] = round + 1;
+                }
             }
         }
-        if !grew {
+        if motors.is_empty() {
             break;
         }
+        let motors: BTreeSet<String> = motors.into_iter().map(String::from).collect();
+        drop(found);
+        left.motors.retain(|motor| motors.contains(&motor.id));
     }
     let told = places.iter().zip(rounds).map(|(place, rounds)| {
         let joint = &robot.joints[*place];
@@ -109,15 +117,55 @@ pub fn with_samples(robot: Robot, catalog: &Catalog, options: Options) -> Result
     Ok((robot, told))
 }
 
+/// The robot of an answer with the samples that its designs exceed and that were not looked at; `None` where there are none. `looked`
+/// says how the joints' samples were looked at, and is kept up.
+///
+/// # Errors
+/// It was stopped.
+pub fn with_exceeded(
+    found: &RobotResult,
+    looked: &mut [Looked],
+    catalog: &Catalog,
+    options: Options,
+) -> Result<Option<Robot>, Stopped> {
+    let stop = Stop::when(options.stop);
+    let with = |joint: &Joint, some: Option<Arc<[usize]>>| Motion { looked: some, ..Motion::clone(&joint.motion) };
+    let mut more: Option<Robot> = None;
+    for looked in looked {
+        let Some(of) = found.joints.iter().find(|of| of.joint.name == looked.joint) else { continue };
+        let Some(before) = &of.joint.motion.looked else { continue };
+        let whole = Joint { motion: Arc::new(with(of.joint, None)), ..of.joint.clone() };
+        let demand = JointDemand::new(&whole, catalog);
+        let mut at: BTreeSet<usize> = before.iter().copied().collect();
+        exceeded((found.robot, &whole), &demand, of, stop)?.into_iter().for_each(|(_, fresh)| at.extend(fresh));
+        if at.len() == before.len() {
+            continue;
+        }
+        looked.rounds += 1;
+        let all = looked.rounds >= ROUNDS;
+        looked.at = if all { looked.of } else { at.len() };
+        let robot = more.get_or_insert_with(|| found.robot.clone());
+        if let Some(joint) = robot.joints.iter_mut().find(|joint| joint.name == looked.joint) {
+            joint.motion = Arc::new(with(joint, Some(at.into_iter().collect()).filter(|_| !all)));
+        }
+    }
+    Ok(more)
+}
+
 /// The samples at which designs of a joint exceed more than the samples that were looked at say, at their ratios and over
-/// their windows.
-fn exceeded(whole: &Robot, demand: &JointDemand, found: &JointResult, stop: Stop) -> Result<BTreeSet<usize>, Stopped> {
-    let joint = whole.joints.iter().find(|joint| joint.name == found.joint.name).unwrap_or(found.joint);
+/// their windows, by motor.
+fn exceeded<'f>(
+    (robot, whole): (&Robot, &Joint),
+    demand: &JointDemand,
+    found: &'f JointResult,
+    stop: Stop,
+) -> Result<Vec<(&'f str, Vec<usize>)>, Stopped> {
     let designs: Vec<&Design> = found.designs().collect();
-    let one = |design: &&Design| -> Result<Vec<usize>, Stopped> {
+    let one = |design: &&'f Design| -> Result<(&'f str, Vec<usize>), Stopped> {
+        let id = design.motor.id.as_str();
         let (load, gear) = (demand.load_with(design.gear), design.gear.and_then(|id| demand.gear(id)));
-        let Ok(prepared) = Mount::new(whole, joint, load, design.motor).with_gear(gear).prepared() else {
-            return Ok(Vec::new());
+        let Ok(prepared) = Mount::new(robot, whole, load, design.motor).with_gear(gear).prepared() else {
+            return Ok((id, Vec::new()));
         };
         let mut fresh = farther(&prepared, &design.evaluation);
         for window in &design.optimum.windows {
@@ -128,10 +176,9 @@ fn exceeded(whole: &Robot, demand: &JointDemand, found: &JointResult, stop: Stop
                 fresh.extend(there.into_iter().filter(|m| m.margin < -FEASIBILITY_TOLERANCE).filter_map(|m| m.sample));
             }
         }
-        Ok(fresh)
+        Ok((id, fresh))
     };
-    let all: Result<Vec<Vec<usize>>, Stopped> = designs.par_iter().map(one).collect();
-    Ok(all?.into_iter().flatten().collect())
+    designs.par_iter().map(one).collect()
 }
 
 /// The samples that make a figure of a design worse than that of the samples that were looked at.

@@ -85,7 +85,7 @@ fn solve_joint<'a>(
     };
     let mut found = motors.par_iter().map(solve).collect::<Result<Vec<Result<Design, Refused>>, Stopped>>()?;
     // Motors whose search ended get the work that the others left over.
-    let ended: Vec<usize> = (0..motors.len()).filter(|k| has_ended(&found[*k])).collect();
+    let ended: Vec<usize> = (0..motors.len()).filter(|k| options.leftover && has_ended(&found[*k])).collect();
     if let Some(longer) = site.stop.again(motors.len(), ended.len()).filter(|_| !ended.is_empty()) {
         let site = Site { stop: longer, ..site };
         let solve = |k: &usize| stop.unless(best_wound(site, motors[*k], options.only_checked));

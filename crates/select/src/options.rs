@@ -106,6 +106,8 @@ pub struct Options<'p> {
     /// told of joints without a design alone: that a motor cannot is often quickly seen, and why it comes nowhere
     /// takes long.
     pub reasons: bool,
+    /// Whether motors whose search ended after its share of the work get what others left over.
+    pub leftover: bool,
     /// Called once for each motor and joint that is done.
     pub tick: &'p (dyn Fn() + Sync),
     /// Asked before each motor, at each node of a branch and bound and at each region of a search for a spring. Once it
@@ -123,6 +125,7 @@ impl Default for Options<'_> {
             only_checked: false,
             keep: None,
             reasons: true,
+            leftover: true,
             tick: &|| {},
             stop: &|| false,
             joint: None,

@@ -75,3 +75,36 @@ fn a_short_motion_and_one_whose_peak_is_minimised_are_looked_at_whole() {
     let (peak, told) = with_samples(peak, &catalog, Options::default()).unwrap();
     assert!(told.is_empty() && peak.joints[0].motion.looked.is_none());
 }
+
+#[test]
+fn an_answer_that_exceeds_limits_between_its_samples_says_which() {
+    let mut catalog = Catalog::builtin().unwrap();
+    catalog.motors = catalog.motors.iter().step_by(40).cloned().collect();
+    let whole = robot(MANY + 5_000, 7);
+    let (all, options) = (crate::optimize(&whole, &catalog), Options::default());
+    let mut some = whole.clone();
+    some.joints[0].motion =
+        Arc::new(Motion { looked: Some((0..10).collect()), ..Motion::clone(&whole.joints[0].motion) });
+    let mut looked = [Looked { joint: "knee".into(), at: 10, of: MANY + 5_000, rounds: 0 }];
+    loop {
+        let part = crate::optimize(&some, &catalog);
+        let Some(more) = with_exceeded(&part, &mut looked, &catalog, options).unwrap() else { break };
+        assert_eq!(more.joints[0].motion.looked_at().len(), looked[0].at);
+        assert!(looked[0].at > some.joints[0].motion.looked_at().len());
+        some = more;
+    }
+    let part = crate::optimize(&some, &catalog);
+    assert!(looked[0].rounds > 0 && looked[0].at < 5_000, "{looked:?}");
+    assert!(!all.joints[0].candidates.is_empty());
+    assert_eq!(all.joints[0].candidates.len(), part.joints[0].candidates.len());
+    for (a, b) in all.joints[0].candidates.iter().zip(&part.joints[0].candidates) {
+        assert_eq!(a.motor.id, b.motor.id);
+        assert!((a.optimum.objective - b.optimum.objective).abs() <= 1e-9 * a.optimum.objective);
+    }
+    // All samples are looked at once too many rounds have gone.
+    some.joints[0].motion =
+        Arc::new(Motion { looked: Some((0..10).collect()), ..Motion::clone(&whole.joints[0].motion) });
+    looked[0].rounds = ROUNDS - 1;
+    let more = with_exceeded(&crate::optimize(&some, &catalog), &mut looked, &catalog, options).unwrap().unwrap();
+    assert!(more.joints[0].motion.looked.is_none() && looked[0].at == MANY + 5_000);
+}
