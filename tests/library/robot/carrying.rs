@@ -3,10 +3,12 @@
 
 use std::cell::RefCell;
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use gearwise::catalog::{Catalog, Motor};
 use gearwise::design::robot::{Choice, Options, carrying, choose};
 use gearwise::design::{JointDemand, Site};
+use gearwise::input::Source;
 use gearwise::requirement::*;
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
@@ -400,4 +402,55 @@ fn an_arm_under_shared_power_is_proved() {
     let same = decide(&robot, &catalog, 0);
     assert!(same.proof.certified(), "{:?}", same.proof);
     assert!((same.combinations[0].objective / objective - 1.0).abs() < 1e-9);
+}
+
+/// The motors of a robot's best combination with its mass, what its joints lose, and whether it is proved.
+fn best_of(text: &str) -> (Vec<String>, f64, Vec<f64>, bool) {
+    let robot = read_source(&Arc::new(Source::new("robot.toml", text))).unwrap_or_else(|e| panic!("{e:?}"));
+    let motors = "id,terminals,current,source,source_kind,pole_pairs,resistance [ohm],torque_constant [N*m/A],rotor_inertia [kg*m^2],peak_current [A],continuous_current [A],mass [kg],coulomb_friction [N*m]\n\
+                  big,q_axis,q_axis,own,datasheet,7,0.2,0.1,2e-5,60,20,0.8,0.005\n\
+                  small,q_axis,q_axis,own,datasheet,7,0.6,0.1,1e-5,60,15,0.4,0.005\n";
+    let catalog = Catalog::from_sources(vec![Arc::new(Source::new("motors.csv", motors))]).unwrap();
+    let choice = choose(&robot, &catalog, Options { budgets: false, ..Options::default() }).unwrap();
+    let best = choice.combinations.first().unwrap_or_else(|| panic!("no combination of {text}"));
+    let motors = best.joints.iter().map(|design| design.motor.id.clone()).collect();
+    let losses = best.joints.iter().map(|design| design.evaluation.loss).collect();
+    (motors, best.mass.unwrap(), losses, choice.proof.certified())
+}
+
+/// A transmission weighs the same whether power is shared or not: for a budget of mass, and for the joint that carries it.
+#[test]
+fn a_transmission_has_its_mass_beside_a_budget_of_power() {
+    let robot = |budget: &str, more: &str| {
+        format!(
+            "name = \"r\"\n{budget}[bus]\nvoltage = \"48 V\"\ndrive_current = \"60 A\"\n\
+             [[joint]]\nname = \"a\"\nratio = {{ min = 5, max = 20 }}\ngear = {{ mass = \"0 kg\" }}\nobjective = \"loss\"\n\
+             points = [{{ torque = \"10 N*m\", speed = \"5 rad/s\", duration = \"1 s\" }}, {{ torque = \"10 N*m\", speed = \"-5 rad/s\", duration = \"1 s\" }}]\n\
+             [joint.transmission]\nratio = 1.5\nmass = \"0.5 kg\"\n{more}"
+        )
+    };
+    let own = "[budget]\nactuator_mass = \"1 kg\"\n";
+    let with_power = format!("{own}power = \"500 W\"\n");
+    for budget in [own, &with_power] {
+        let (motors, mass, _, proved) = best_of(&robot(budget, ""));
+        assert!(motors == ["small"] && (mass - 0.9).abs() < 1e-12 && proved, "{motors:?} {mass}");
+    }
+    let carrier = "[[joint]]\nname = \"b\"\nmotors = [\"big\"]\nratio = { values = [20] }\nobjective = \"loss\"\n\
+                   points = [{ torque = \"1 N*m\", speed = \"5 rad/s\", duration = \"1 s\" }, { torque = \"1 N*m\", speed = \"-5 rad/s\", duration = \"1 s\" }]\n\
+                   torque_per_mass = { a = \"10 N*m/kg\" }\n";
+    let of = |budget: &str| best_of(&robot(budget, carrier)).2[1];
+    let (alone, with_power) = (of(""), of("[budget]\npower = \"900 W\"\n"));
+    assert!((alone - with_power).abs() < 1e-9 * alone && alone > 5.0, "{alone} {with_power}");
+}
+
+/// Stages of a gear beside a transmission leave of a limit on mass what both and the motor weigh.
+#[test]
+fn stages_have_the_mass_that_motor_and_transmission_leave() {
+    let text = "name = \"r\"\n[bus]\nvoltage = \"48 V\"\ndrive_current = \"60 A\"\n\
+                [[joint]]\nname = \"a\"\nmotors = [\"small\"]\nratio = { min = 2, max = 100 }\nobjective = \"loss\"\n\
+                gear = { mass_per_stage = \"0.2 kg\", stage_ratio = 5 }\n\
+                points = [{ torque = \"10 N*m\", speed = \"1 rad/s\", duration = \"1 s\" }]\n\
+                [joint.limits]\nactuator_mass = \"1.2 kg\"\n[joint.transmission]\nratio = 1.5\nmass = \"0.5 kg\"\n";
+    let (_, mass, _, proved) = best_of(text);
+    assert!((mass - 1.1).abs() < 1e-12 && proved, "{mass}");
 }

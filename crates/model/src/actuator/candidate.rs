@@ -192,6 +192,22 @@ impl Candidate<'_> {
         Some(fixed + self.mass_slope() * ratio * ratio)
     }
 
+    /// Smallest and largest mass over a range of ratios \[kg\]; `None` where motor or gear is unknown.
+    pub fn mass_between(&self, (min, max): (f64, f64)) -> Option<(f64, f64)> {
+        let pieces = self.whole_map().map_or(&[][..], GearMap::pieces);
+        let of_map = pieces.iter().filter(|piece| piece.from() <= max && min <= piece.to()).flat_map(|piece| {
+            [min.max(piece.from()), max.min(piece.to())].map(|n| piece.gear(&self.gear, n).mass_at(n))
+        });
+        let masses: Vec<Option<f64>> = match pieces.is_empty() {
+            true => [min, max].map(|n| Some(self.gear.mass_at(n)? + self.mass_slope() * n * n)).to_vec(),
+            false => of_map.collect(),
+        };
+        let masses: Vec<f64> = masses.into_iter().collect::<Option<_>>()?;
+        let fixed = self.motor.mass? + self.transmission_mass();
+        let least = masses.iter().copied().reduce(f64::min)?;
+        Some((fixed + least, fixed + masses.into_iter().fold(least, f64::max)))
+    }
+
     /// What the requirement says that the transmission weighs \[kg\].
     fn transmission_mass(&self) -> f64 {
         self.joint.passed.as_ref().and_then(|passed| passed.mass_of_each()).unwrap_or(0.0)

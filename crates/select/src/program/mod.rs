@@ -511,10 +511,10 @@ impl<'a> RatioProgram<'a> {
 /// The largest N whose stages keep a limit on mass; zero where none does.
 fn largest_ratio_by_mass(candidate: &Candidate, asked: &Asked) -> f64 {
     // Asked with an unknown mass only where what is known is too much already.
-    let motor = candidate.motor.mass.unwrap_or(0.0);
+    let without_stages = candidate.known_mass_at(1.0);
     match candidate.gear.mass_per_stage {
         Some((mass, stage_ratio)) if mass > 0.0 => {
-            let stages = ((asked.bound - motor) / mass * (1.0 + 1e-12)).floor();
+            let stages = ((asked.bound - without_stages) / mass * (1.0 + 1e-12)).floor();
             if stages < 0.0 { 0.0 } else { stage_ratio.powf(stages) }
         }
         _ if candidate.known_mass_at(1.0) <= asked.bound * (1.0 + ROW_TOLERANCE) => f64::INFINITY,

@@ -772,13 +772,14 @@ fn ways<'a>(
                 None => vec![site.direct(row)],
                 Some(_) => site.mount(row, gear).into_iter().collect(),
             };
-            let Some(mass) = span(&mounts, &pieces[build.piece.min(pieces.len() - 1)], needs) else {
+            let mounts: Vec<_> = mounts.into_iter().map(Mount::prepared).collect();
+            let Some(mass) = span(mounts.iter().flatten(), &pieces[build.piece.min(pieces.len() - 1)], needs) else {
                 doubt = true;
                 continue;
             };
             let mut judged = false;
-            for mount in mounts {
-                match mount.prepared() {
+            for prepared in mounts {
+                match prepared {
                     Ok(prepared) => {
                         let of = |unchecked: &[Remark]| {
                             judge::left_out(robot, joint, unchecked, needs.only_checked).is_some()
@@ -802,21 +803,19 @@ fn ways<'a>(
     all.into_iter().flat_map(|(ways, _)| ways).collect()
 }
 
-/// Lightest and heaviest that an actuator can be \[kg\]; `None` where its mass decides and is not known.
-fn span(mounts: &[Mount], piece: &Joint, needs: Needs) -> Option<(f64, f64)> {
-    let of = |mount: &Mount| {
-        let gear = match (mount.gear, piece.ratio.range()) {
-            (Some(gear), _) => gear.mass,
-            (None, Some((_, max))) => piece.gear.mass_at(max),
-            (None, None) => None,
-        };
-        Some(mount.motor.mass? + gear?)
+/// Lightest and heaviest that an actuator with its transmission can be \[kg\]; `None` where its mass decides and is not known. Without any
+/// actuator it is zero.
+fn span<'p>(actuators: impl Iterator<Item = &'p Prepared<'p>>, piece: &Joint, needs: Needs) -> Option<(f64, f64)> {
+    let of = |prepared: &Prepared| {
+        let candidate = &prepared.candidate;
+        let own = candidate.catalog_gear.map(|gear| (gear.ratio, gear.ratio));
+        candidate.mass_between(own.or(piece.ratio.range())?)
     };
-    let known: Vec<f64> = mounts.iter().filter_map(of).collect();
-    match known.iter().copied().reduce(f64::min).zip(known.iter().copied().reduce(f64::max)) {
-        Some(span) => Some(span),
-        None => (!needs.mass).then_some((0.0, 0.0)),
+    let mut known = actuators.map(of).peekable();
+    if !needs.mass || known.peek().is_none() {
+        return Some((0.0, 0.0));
     }
+    known.flatten().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
 }
 
 /// The joint with the spring that was chosen for it taking its part of the load; `None` where none was.

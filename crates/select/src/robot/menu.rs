@@ -147,11 +147,14 @@ impl<'a> Made<'a> {
     fn continuous(&mut self, site: Site, piece: &Joint, catalog: &'a Catalog, motor: usize, needs: Needs) {
         match best_design(Site { joint: piece, ..site }, &catalog.motors[motor], needs.only_checked) {
             Ok(found) => {
-                let Some((_, max)) = piece.ratio.range() else { return };
                 let window = found.optimum.window().clone();
-                let mass = catalog.motors[motor].mass.zip(piece.gear.mass_at(max)).map(|(a, b)| a + b);
+                let site = Site { joint: piece, ..site };
+                let heaviest = || {
+                    let candidate = site.direct(&catalog.motors[motor]).candidate().ok()?;
+                    candidate.mass_between((window.min, window.max)).map(|(_, most)| most)
+                };
                 // Nothing moves where the ratio stays; a spring stays with its ratio.
-                let mass = if needs.moves { mass } else { found.evaluation.mass };
+                let mass = if needs.moves { heaviest() } else { found.evaluation.mass };
                 let stays = found.spring.is_some() || !needs.moves;
                 let ratios =
                     if stays { (found.evaluation.ratio, found.evaluation.ratio) } else { (window.min, window.max) };
