@@ -433,7 +433,7 @@ fn export<'py>(
         return here(py, move || {
             let mut design = design_file(&path)?;
             let rows = given.map_or_else(|| rows_of(&design), Ok)?;
-            let catalog = rows.with_named(&design.robot, design.motor_ids());
+            let catalog = rows.for_design(&mut design);
             design.robot = gearwise::design::families::settle(design.robot, &catalog).map_err(Failure::Argument)?;
             of_design(&asked, &design, &catalog).map(plain)
         });

@@ -64,7 +64,7 @@ impl Inputs {
         rules: Option<&Path>,
         lock_path: PathBuf,
     ) -> Result<Inputs, Failure> {
-        let catalog = rows.with_named(&design.robot, design.motor_ids());
+        let catalog = rows.for_design(&mut design);
         design.robot = settle(design.robot, &catalog).map_err(Failure::Argument)?;
         design.robot = balanced(&design.robot, &catalog, Options::default())?;
         let named = design.rules.as_deref().or(design.robot.rules.as_deref());

@@ -4,10 +4,10 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::Failure;
-use crate::actuator::estimate::{complete, completed_module};
+use crate::actuator::estimate::{complete, completed, completed_module};
 use crate::catalog::{Catalog, Motor};
 use crate::design::windings;
-use crate::requirement::Robot;
+use crate::requirement::{DesignFile, Robot};
 
 /// A catalogue made ready to choose from: each motor once, what its rows lack estimated.
 #[derive(Debug, Clone)]
@@ -72,6 +72,15 @@ impl Rows {
             false => "all motors of the catalogue are only sold inside modules; `--also-inside-modules` takes them"
                 .to_string(),
         }))
+    }
+
+    /// For a design: with the windings that its joints list, and the windings and modules that it names. Of fitted actuators that it names
+    /// by their files, what they lack is estimated as of rows.
+    pub fn for_design(&self, design: &mut DesignFile) -> Arc<Catalog> {
+        if self.estimates {
+            design.change_fitted(completed);
+        }
+        self.with_named(&design.robot, design.motor_ids())
     }
 
     /// With the windings that joints list, and the windings and modules that designs name.

@@ -128,7 +128,7 @@ fn design_file(arguments: &Arguments, asked: &Asked, call: &Call) -> Result<Done
     let named = arguments.catalog.paths();
     let paths = if named.is_empty() { &design.catalog } else { &named };
     let rows = arguments.catalog.prepared(super::catalog(paths)?);
-    let catalog = rows.with_named(&design.robot, design.motor_ids());
+    let catalog = rows.for_design(&mut design);
     design.robot = crate::design::families::settle(design.robot, &catalog).map_err(Failure::Argument)?;
     let made = of_design(asked, &design, &catalog)?;
     finish(arguments, call, (&design.robot, &catalog), made)

@@ -144,7 +144,8 @@ impl Builder<'_> {
             source_date: String::new(),
             source_kind: SourceKind::Measured,
             note: self.notes.join("; "),
-            accepted_findings: motor.accepted_findings.clone(),
+            // What its note explains is of the numbers as they were printed.
+            accepted_findings: Vec::new(),
             about: About { same_as: String::new(), ..motor.about.clone() },
         }
     }

@@ -180,6 +180,21 @@ fn a_hold_of_a_module_is_judged_by_its_table_at_standstill() {
     }
 }
 
+/// A rated torque stays a limit of a module whose row has thermal resistances, unless the requirement states a temperature.
+#[test]
+fn a_rated_torque_is_asked_beside_thermal_resistances() {
+    let table = "id,drive,ratio,source,source_kind,rated_torque [N*m],peak_torque [N*m],no_load_speed [rad/s],voltage [V],terminals,current,torque_constant [N*m/A],torque_constant_current,torque_constant_side,resistance [ohm],thermal_resistance_winding_housing [K/W],thermal_resistance_housing_ambient [K/W],max_winding_temperature [degC]\n\
+                 mm,external,9,s,derived,2,60,35,48,q_axis,q_axis,0.1,q_axis,motor,0.1,0.1,0.5,130\n";
+    let points = "{ torque = '6 N*m', speed = '5 rad/s', duration = '1 s' }";
+    let of = |limits: &str| {
+        let here = at(&joint("voltage = '48 V'", &format!("modules = ['*']\n{limits}"), points), table, 9.0);
+        here.margins.iter().find(|m| m.limit == "rated_torque").map(|m| (m.demand, m.margin))
+    };
+    let (demand, margin) = of("").unwrap();
+    assert!((demand - 6.0).abs() < 1e-9 && margin < 0.0, "{demand} {margin}");
+    assert!(of("limits = { winding_temperature = '100 degC' }\n").is_none());
+}
+
 /// A joint that does its points once, from cold.
 fn once(table: &str, bus: &str, torque: f64, limits: &str) -> Robot {
     robot(&format!(

@@ -179,6 +179,15 @@ impl DesignFile {
         })
     }
 
+    /// Fitted actuators that it names by their files, made into others.
+    pub fn change_fitted(&mut self, changed: impl Fn(Motor) -> Motor) {
+        for design in &mut self.joints {
+            if let MotorName::Fitted { motor, .. } = &mut design.motor {
+                **motor = changed(Motor::clone(motor));
+            }
+        }
+    }
+
     /// Looks up motors and gears.
     ///
     /// # Errors

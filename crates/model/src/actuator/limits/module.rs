@@ -45,7 +45,7 @@ pub(super) const LIMITS: &[Limit] = &[
         prepare: |c| {
             let Some(inside) = inside(c) else { return Prepared::NotAsked };
             match inside.module.sheet.rated_torque {
-                _ if c.joint.limits.winding_temperature.is_some() || has_nodes(c) => Prepared::NotAsked,
+                _ if c.joint.limits.winding_temperature.is_some() => Prepared::NotAsked,
                 _ if has_overload(c, inside) => Prepared::NotAsked,
                 Some(_) if !c.load.has_durations => Prepared::Unknown(NO_DURATIONS),
                 // Then the mean says nothing; what is known of heat over the motion does.
@@ -66,7 +66,7 @@ pub(super) const LIMITS: &[Limit] = &[
         stated: always,
         key: by_nobody,
         prepare: |c| {
-            let found = inside(c).filter(|_| c.joint.limits.winding_temperature.is_none() && !has_nodes(c));
+            let found = inside(c).filter(|_| c.joint.limits.winding_temperature.is_none());
             match found.and_then(|inside| overload(c, inside)) {
                 // The tables start at the ambient temperature of ratings.
                 Some(peak) => plain(Demand::Fixed(peak, None), 1.0, c.derating().powi(2), "module"),

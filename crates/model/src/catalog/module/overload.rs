@@ -41,15 +41,18 @@ pub struct Piece {
 
 impl Response {
     /// The answer of a module with a rated torque \[N·m\], from the tables of overload while it turns and at standstill; `None` where neither
-    /// is of use. A module with one of the two answers by that one: a table at standstill is the quicker, and twice the squared torque stands
-    /// in for a missing one.
+    /// is of use. A module with one of the two answers by that one: while it turns it bears a torque no shorter than at standstill, and at
+    /// standstill one phase has at most twice the heat. How much less it is depends on the share that the winding has of the rise.
     pub fn of_tables(rated: f64, turning: &[[f64; 2]], standing: &[[f64; 2]]) -> Option<Response> {
-        let turning = Response::fit(rated, turning);
+        // At standstill less than the rated torque reaches the limit, which says nothing of turning.
+        let of_standing = || standing.iter().copied().filter(|[torque, _]| *torque > rated).collect::<Vec<_>>();
+        let turning = Response::fit(rated, turning).or_else(|| Response::fit(rated, &of_standing()));
         // The heat of the worst phase is twice the mean: it bears the rated torque over √2 continuously.
         let standing = Response::fit(rated * std::f64::consts::FRAC_1_SQRT_2, standing);
         match (turning, standing) {
             (Some(turning), Some(standing)) => Some(Response { standing: standing.lags, ..turning }),
-            (None, Some(standing)) => Some(Response { rated, ..standing }),
+            // One that says too little of turning is judged by the rated torque.
+            (None, _) => None,
             (turning, None) => turning,
         }
     }
@@ -262,8 +265,31 @@ mod tests {
         // Without a table at standstill twice the heat answers, as while it turns.
         let alone = Response::of_tables(20.0, &turning, &[]).unwrap();
         assert_eq!(alone.standing, alone.lags);
-        assert_eq!(Response::of_tables(20.0, &[], &standing).unwrap().lags, response.standing);
+        assert_eq!(Response::of_tables(20.0, &[], &standing).unwrap().standing, response.standing);
         assert!(Response::of_tables(20.0, &[], &[]).is_none());
+        // At standstill it bears 15 N·m for a while, and turning for ever: one point says nothing of turning.
+        assert!(Response::of_tables(20.0, &[], &[[15.0, 600.0], [30.0, 25.0]]).is_none());
+    }
+
+    #[test]
+    fn a_table_at_standstill_alone_promises_nothing_too_much_of_turning() {
+        let rated = 10.0;
+        for winding in [0.05, 0.1, 0.3, 0.6, 0.95] {
+            for quick in [3.0, 8.0, 30.0] {
+                // A winding before a housing; at standstill one phase has twice the mean heat over its own way.
+                let s = |t: f64, times: f64| {
+                    times * winding * (1.0 - (-t / quick).exp()) + (1.0 - winding) * (1.0 - (-t / 300.0).exp())
+                };
+                let table = [200.0, 60.0, 20.0, 6.0, 2.0].map(|t| [rated / s(t, 2.0).sqrt(), t]);
+                let Some(response) = Response::of_tables(rated, &[], &table) else { continue };
+                for time in [4.0, 10.0, 40.0, 150.0] {
+                    let hold = Piece { lasts: time, turning: [900.0; 2], standing: [0.0; 2] };
+                    let truth = s(time, 1.0) * 9.0;
+                    let found = response.peak(&[hold], false);
+                    assert!(found > truth * (1.0 - 1e-3), "{winding} {quick} {time}: {found} {truth}");
+                }
+            }
+        }
     }
 
     #[test]
