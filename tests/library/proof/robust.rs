@@ -840,6 +840,13 @@ fn no_motor_within_the_tolerances_breaks_a_limit_in_any_drive_mode() {
             let tightest = at.tightest().copied();
             breaks |= tightest.is_some_and(|m| m.margin < -1e-8);
             assert!(!is_proven || !breaks, "case {seed} ({name}): {tightest:?} at N = {n}");
+            // All of the window is promised, but for limits that are named as not proven.
+            for end in design.optimum.windows.iter().flat_map(|window| [window.min, window.max]) {
+                let Ok(candidate) = Mount::new(&case.robot, joint, &load, &motor).candidate() else { continue };
+                let at = Prepared::new(candidate).at(end);
+                let broken = at.margins.iter().find(|m| m.margin < -1e-6 && !design.unproven.contains(&m.limit));
+                assert!(broken.is_none(), "case {seed} ({name}): {broken:?} at the end N = {end}");
+            }
         }
         count[3] += usize::from(breaks);
     }

@@ -74,8 +74,11 @@ impl<'a> Over<'a, '_> {
         for round in 0.. {
             let boxed = Boxed::new(mount, all, &start, &corners).map_err(Reason::Unusable)?;
             let mut optimum = self.solved(&boxed, range)?;
-            let mut verified = boxed.verified(optimum.ratio);
-            let broken = boxed.broken(&mut verified, round);
+            let mut verified = boxed.verified(optimum.ratio, f64::INFINITY);
+            let mut broken = boxed.broken(&mut verified, round);
+            if broken.is_empty() {
+                broken = boxed.broken_at_ends(&optimum, &mut verified, round);
+            }
             if broken.is_empty() {
                 told(&verified, &mut optimum);
                 return Ok(boxed.design(nominal, None, optimum, verified));
@@ -129,7 +132,7 @@ impl<'a> Over<'a, '_> {
                     gears.passed();
                     break;
                 };
-                let mut verified = boxed.verified(gear.ratio);
+                let mut verified = boxed.verified(gear.ratio, f64::INFINITY);
                 let broken = boxed.broken(&mut verified, round);
                 if !broken.is_empty() {
                     drop(boxed);
@@ -232,6 +235,9 @@ fn combined(
     (0..1_usize << chosen.len()).map(corner).collect()
 }
 
+/// Margin at the corners up to which a limit is proven at the ends of windows too.
+const NEAR: f64 = 0.25;
+
 /// Stands for heat that is judged at a ratio among the limits that corners are found for: it is none of the program's.
 const HEAT: &str = "heat at a ratio";
 
@@ -332,11 +338,18 @@ impl<'p> Boxed<'p> {
         Ok(Boxed { mount, all, start, nominal: prepare(mount.motor)?, corners })
     }
 
-    /// Proof of the limits over the box at a ratio.
-    fn verified(&self, ratio: f64) -> Verified {
+    /// Proof over the box, at a ratio, of the limits that have at most this margin at the corners.
+    fn verified(&self, ratio: f64, near: f64) -> Verified {
+        let mut least = Margins::new();
+        for limit in self.limits().into_iter().filter(|_| near.is_finite()) {
+            let new = margin(limit, ratio);
+            let kept = least.entry(new.limit).or_insert(new);
+            kept.margin = kept.margin.min(new.margin);
+        }
+        let is_near = |limit: &str| least.get(limit).is_none_or(|margin| margin.margin <= near);
         let margins = |at: &[f64], ratio: f64| self.margins_at(at, ratio);
         let look = |nominal: &Prepared<'p>, corners: &[(Prepared<'p>, &'p Corner)]| {
-            verify(&Region { nominal, corners, margins: &margins }, self.all, ratio)
+            verify(&Region { nominal, corners, margins: &margins }, self.all, ratio, &is_near)
         };
         let mut verified = match self.nominal.candidate.by_ratio {
             None => look(&self.nominal, &self.corners),
@@ -359,6 +372,19 @@ impl<'p> Boxed<'p> {
                 Some(corner) => broken.push(corner),
                 None => verified.leave_open(limit),
             }
+        }
+        broken
+    }
+
+    /// The motors that break a limit at an end of a window, which is to hold for the whole box.
+    fn broken_at_ends(&self, optimum: &Optimum, verified: &mut Verified, round: usize) -> Vec<Corner> {
+        let ends = optimum.windows.iter().flat_map(|window| [window.min, window.max]);
+        let mut broken = Vec::new();
+        for end in ends.filter(|end| *end != optimum.ratio) {
+            let mut there = self.verified(end, NEAR);
+            let known = there.unproven.len();
+            broken.extend(self.broken(&mut there, round));
+            there.unproven.drain(known..).for_each(|limit| verified.leave_open(limit));
         }
         broken
     }

@@ -201,12 +201,12 @@ impl Verified {
     }
 }
 
-/// Examines every limit over the whole box at a ratio.
-pub fn verify(boxed: &Region, all: &[Toleranced], ratio: f64) -> Verified {
+/// Examines every limit that is wanted over the whole box at a ratio.
+pub fn verify(boxed: &Region, all: &[Toleranced], ratio: f64, is_wanted: &dyn Fn(&str) -> bool) -> Verified {
     let nominal = boxed.nominal;
     let equations = Equations { candidate: &nominal.candidate, all };
     let mut verified = Verified::default();
-    for asked in &nominal.asked {
+    for asked in nominal.asked.iter().filter(|asked| is_wanted(asked.limit.name)) {
         let name = asked.limit.name;
         match look(boxed, &equations, asked, ratio) {
             Found::Proven => {}
