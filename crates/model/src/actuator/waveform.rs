@@ -370,7 +370,12 @@ impl Waveform {
     /// # Panics
     /// If there is no point.
     pub fn largest(&self, functional: Functional, actuator: &Actuator, ratio: f64) -> Largest {
-        let mut largest = Largest { value: f64::NEG_INFINITY, index: 0 };
+        self.largest_above(functional, actuator, ratio, f64::NEG_INFINITY)
+    }
+
+    /// As [`Self::largest`], where it is above a floor; else the floor, with no certain index.
+    pub fn largest_above(&self, functional: Functional, actuator: &Actuator, ratio: f64, floor: f64) -> Largest {
+        let mut largest = Largest { value: floor, index: 0 };
         self.walk(functional, actuator, ratio, &mut largest);
         largest
     }

@@ -31,6 +31,8 @@ const SPENT_POINTS: usize = 25;
 const SPENT_STEPS: usize = 8;
 /// A limit that is kept by a current along d is met with equality: what differs by no more than this is rounding.
 const EQUALITY: f64 = 1e-10;
+/// Share by which a demand may be below another's for rounding.
+const FLOOR: f64 = 1e-12;
 /// How near the end of a window is found where ratios are evaluated (relative).
 const END: f64 = 1e-13;
 
@@ -205,7 +207,7 @@ pub(super) fn scan(program: &RatioProgram, goal: &Goal, low: &End, high: &End) -
 /// The limit that is most exceeded at a ratio: its relative excess, and itself. A limit that takes a walk over all samples
 /// counts only where the others are kept: whether a ratio is feasible is the same, and by how much it is not is no more.
 pub(super) fn worst(program: &RatioProgram, ratio: f64) -> (f64, Option<Bind>) {
-    worst_by(program, ratio, |_, _, excess| excess, FEASIBILITY_TOLERANCE)
+    worst_by(program, ratio, None, FEASIBILITY_TOLERANCE)
 }
 
 /// A program whose sums over all samples are apart from its other limits.
@@ -270,14 +272,20 @@ fn told_excess(asked: &Asked, raw: f64, excess: f64) -> f64 {
     if asked.bound > 0.0 { asked.natural(raw) / asked.bound - 1.0 } else { excess }
 }
 
-/// The limit with the largest measure of what it asks, the value of its functional and its relative excess. Limits that
+/// The limit with the largest relative excess, or measure of what it asks, the value of its functional and that excess. Limits that
 /// take a walk are left out where the others come to more than `enough`.
 fn worst_by(
     program: &RatioProgram,
     ratio: f64,
-    measure: fn(&Asked, f64, f64) -> f64,
+    by: Option<fn(&Asked, f64, f64) -> f64>,
     enough: f64,
 ) -> (f64, Option<Bind>) {
+    let measure = |asked: &Asked, raw: f64, excess: f64| by.map_or(excess, |measure| measure(asked, raw, excess));
+    // A demand below it has no larger excess than the worst so far.
+    let floor = |asked: &Asked, worst: f64| match (by, asked.raw_bound()) {
+        (None, bound) if bound > 0.0 && worst > -1.0 => bound * (1.0 + worst) * (1.0 - FLOOR),
+        _ => f64::NEG_INFINITY,
+    };
     let mut worst = (f64::NEG_INFINITY, None);
     fn offer(worst: &mut (f64, Option<Bind>), asked: &Asked, sample: Option<usize>, measured: f64) {
         if measured > worst.0 {
@@ -292,7 +300,7 @@ fn worst_by(
             for (index, Limited { candidate, asked }) in program.limits.iter().enumerate() {
                 let counts = is_convex(asked) && asked.demand.takes_a_walk() == walks;
                 if counts && !asked.is_certainly_kept(candidate, ratio) {
-                    let (raw, sample) = asked.raw_demand(candidate, ratio);
+                    let (raw, sample) = asked.raw_demand_above(candidate, ratio, floor(asked, worst.0));
                     let measured = measure(asked, raw, program.excess(index, raw, ratio));
                     offer(&mut worst, asked, sample, measured);
                 }
@@ -321,7 +329,7 @@ fn worst_by(
                         if is_met { -1.0 } else { measure(&asked, raw, excess) }
                     };
                     if asked.raw_at_most(&here, ratio).is_none_or(|raw| measured(raw) > worst.0) {
-                        let (raw, sample) = asked.raw_demand(&here, ratio);
+                        let (raw, sample) = asked.raw_demand_above(&here, ratio, floor(&asked, worst.0));
                         offer(&mut worst, &asked, sample, measured(raw));
                     }
                 }
@@ -445,7 +453,7 @@ fn least_by<F: Fn(f64) -> f64>(
 
 /// The ratio at which the worst limit is exceeded least, as people read it, and that limit.
 fn nowhere(program: &RatioProgram, points: &[(f64, f64)]) -> Infeasible {
-    let told = |n: f64| worst_by(program, n, told_excess, f64::INFINITY);
+    let told = |n: f64| worst_by(program, n, Some(told_excess), f64::INFINITY);
     // Of a square as much is told as its root has, of others all of it.
     let floor = |k: usize| (1.0 + points[k].1).sqrt() - 1.0;
     let mut nearest = (0, f64::INFINITY);

@@ -71,11 +71,16 @@ impl Asked {
 
     /// The functional's value at a ratio, and the sample of the motion that has it.
     pub fn raw_demand(&self, candidate: &Candidate, ratio: f64) -> (f64, Option<usize>) {
+        self.raw_demand_above(candidate, ratio, f64::NEG_INFINITY)
+    }
+
+    /// As [`Self::raw_demand`], where it is above a floor; else a value that is not above it, with no certain sample.
+    pub fn raw_demand_above(&self, candidate: &Candidate, ratio: f64, floor: f64) -> (f64, Option<usize>) {
         if candidate.is_evaluated() {
             let later = candidate.first_sample(self.actuator);
             return candidate.at_ratio(ratio, |here| match self.there(here) {
                 Some((asked, here)) => {
-                    let (value, sample) = asked.raw_demand(&here, ratio);
+                    let (value, sample) = asked.raw_demand_above(&here, ratio, floor);
                     (value, sample.map(|k| k + later))
                 }
                 None => (0.0, None),
@@ -83,7 +88,7 @@ impl Asked {
         }
         let actuator = candidate.end(self.end);
         let over = |waveform: &Waveform, functional| {
-            let largest = waveform.largest(functional, actuator, ratio);
+            let largest = waveform.largest_above(functional, actuator, ratio, floor);
             (largest.value, Some(waveform.origin(largest.index)))
         };
         match self.demand {
