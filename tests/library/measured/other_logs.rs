@@ -189,6 +189,42 @@ fn a_wrong_torque_constant_scales_no_other_number() {
     }
 }
 
+/// Beside a known pendulum another weight and the inertia together have the course of the pendulum, whose scale is the torque constant:
+/// the inertia stays as declared, and the constant is that of the machine.
+#[test]
+fn another_weight_beside_a_known_pendulum_leaves_the_torque_constant() {
+    let (inertia, weight, aside) = (0.09, 3.0, 0.25);
+    let log = |seed: u64| {
+        let mut random = Random::new(seed, "instruments");
+        let late = random.within(0.0, TAU);
+        let parts = [(TAU * 0.05, 25.0, late), (TAU * 0.31, 4.0, 1.0 + late), (TAU * 0.9, 0.8, 2.0 + late)];
+        let mut text = "t,q,w,i\n".to_string();
+        for k in 0..10_000 {
+            let t = 2e-3 * f64::from(k);
+            let sum =
+                |of: &dyn Fn(f64, f64, f64) -> f64| parts.iter().map(|(w, a, p)| of(*w, *a, w * t + p)).sum::<f64>();
+            let angle = sum(&|_, a, x| a * x.sin());
+            let speed = sum(&|w, a, x| a * w * x.cos());
+            let acceleration = sum(&|w, a, x| -a * w * w * x.sin());
+            let transmitted = (inertia * acceleration + weight * angle.sin() + aside * angle.cos()) / RATIO;
+            let friction = 0.015 * (RATIO * speed / 0.02).clamp(-1.0, 1.0) + 2e-4 * RATIO * speed;
+            let current = (transmitted + ROTOR * RATIO * acceleration + friction) / TORQUE_CONSTANT;
+            let (angle, speed) = (angle + 1e-5 * random.normal(), speed + 2e-4 * random.normal());
+            let _ = writeln!(text, "{t:.4},{angle:.8},{speed:.7},{:.7}", current + 1e-3 * random.normal());
+        }
+        text
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let load = format!("load = {{ inertia = \"{inertia} kg*m^2\", gravity_torque = \"{weight} N*m\" }}");
+    let columns = format!("{CURRENT}\nvelocity = {{ name = \"w\", unit = \"rad/s\", side = \"output\" }}");
+    let reports = identified(folder.path(), "free", &load, &columns, &[log(1), log(2), log(3)]);
+    let parameter = |name: &str| reports[0].parameters.iter().find(|p| p.name == name).expect("a parameter of the row");
+    let constant = parameter("torque_constant").fitted;
+    assert!((constant / TORQUE_CONSTANT - 1.0).abs() < 0.003, "{constant}");
+    assert!(value(&reports, "gravity", 1).is_some_and(|cosine| (cosine * RATIO / aside - 1.0).abs() < 0.02));
+    assert!((value(&reports, "coulomb_friction", 0).unwrap() / 0.015 - 1.0).abs() < 0.05);
+}
+
 /// A log of goal and position under a law of torque, simulated in small steps.
 fn law_log(machine: Machine, seed: u64) -> String {
     let goal = sines(seed, 1.2);

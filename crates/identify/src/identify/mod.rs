@@ -271,8 +271,9 @@ fn narrowed(bench: &Bench, target: Target, options: &Options, times: usize) -> O
         (work, selection, stages, corrections, held) = before;
     }
     selection.back_to_the_best(&mut work);
-    // What was held before the effects were known may be seen beside them.
+    // What was held before the effects were known may be seen beside them, and hides what is seen.
     held.retain(|which| !work.release(*which));
+    held.extend(work.hold_what_hides_load());
     work.settle_saturation();
     select::backward(&mut OnBalance { work: &mut work, selection: &mut selection, stages: &mut stages });
     let here = Setting { band: work.balance.band, ..setting(corrections.clone()) };

@@ -11,6 +11,8 @@ use gearwise_model::numerics::sums::finite_sum;
 
 /// Least share of the current's column that no function of speed makes up for K_T to be fitted.
 const OWN_SHARE: f64 = 0.05;
+/// Least share of the known load's column that inertia and effects leave for its scale to be fitted.
+const LOAD_SHARE: f64 = 0.01;
 /// A current whose noise is a larger share of what it does on its own (of the squares) says no constant: by this share the
 /// fitted one would be too small.
 const NOISY: f64 = 0.1;
@@ -27,9 +29,13 @@ const DOUBT: f64 = 0.3;
 impl Work<'_> {
     /// What share of a column neither the other columns nor any function of speed make up.
     fn own_share(&self, term: usize) -> f64 {
+        self.share_beside(term, &of_speed(self))
+    }
+
+    /// What share of a column neither the other columns nor more of them make up.
+    fn share_beside(&self, term: usize, more: &[Vec<f64>]) -> f64 {
         let mut columns = self.columns_without(term);
-        let free = of_speed(self);
-        columns.extend(free.iter().map(Vec::as_slice));
+        columns.extend(more.iter().map(Vec::as_slice));
         let column = &self.terms[term].columns[0];
         let total = Blocks::new(&self.balance.rows, &columns, column).total(|b| self.fits(b));
         let last = total.nrows() - 1;
@@ -201,6 +207,20 @@ impl Work<'_> {
         }
     }
 
+    /// True if the scale of the known load, which shows the torque constant, is nothing beyond inertia and effects: a pendulum beside its
+    /// inertia and another weight.
+    fn hides_load(&self) -> bool {
+        let scale = (0..self.terms.len()).find(|t| self.is_base(*t, Base::LoadScale));
+        scale.is_some_and(|t| self.share_beside(t, &[]) < LOAD_SHARE)
+    }
+
+    /// Holds the inertia where it hides the scale of the known load.
+    pub fn hold_what_hides_load(&mut self) -> Option<Base> {
+        let is_it = |t: &usize| self.is_base(*t, Base::Inertia) && self.terms[*t].declared.is_some();
+        let inertia = (0..self.terms.len()).find(is_it).filter(|_| self.hides_load())?;
+        self.hold(inertia)
+    }
+
     /// Takes a parameter that was held back into the fit, where with all effects in the data show it; whether they do.
     pub fn release(&mut self, which: Base) -> bool {
         let Some(index) = self.balance.base.iter().position(|b| b.which == which) else { return false };
@@ -222,7 +242,7 @@ impl Work<'_> {
         let is_seen =
             fit.solution.inverse[(0, 0)] > 0.0 && value > 0.0 && error < DOUBT * declared.abs().max(0.5 * value);
         let is_no_worse = finite_sum(&fit.left_out) < finite_sum(&before.left_out);
-        let is_told = is_seen && is_no_worse && !self.is_in_noise(0);
+        let is_told = is_seen && is_no_worse && !self.is_in_noise(0) && !self.hides_load();
         if !is_told {
             self.terms.remove(0);
             self.target = target;
