@@ -757,3 +757,31 @@ fn severity_words_read_back() {
         assert_eq!(severity.name(), *name);
     }
 }
+
+/// A fitted actuator is the same machine whether a design names it by its file or among the catalogues: what it lacks is estimated.
+#[test]
+fn a_fitted_actuator_is_judged_alike_by_its_file_and_by_its_id() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    write(
+        "fitted.toml",
+        "gearwise = \"0.1.0\"\n[motor]\nid = \"x-fitted\"\nconstruction = \"frameless\"\nterminals = \"q_axis\"\ncurrent = \"q_axis\"\npole_pairs = 7\n\
+         resistance = \"0.705 ohm\"\ntorque_constant = \"0.08 N*m/A\"\nrotor_inertia = \"9e-6 kg*m^2\"\nmass = \"0.193 kg\"\nouter_diameter = \"50 mm\"\n\
+         length = \"16 mm\"\ncontinuous_current = \"6 A\"\nmax_winding_temperature = \"110 degC\"\n",
+    );
+    write(
+        "robot.toml",
+        "name = \"r\"\n[bus]\nvoltage = \"24 V\"\ndrive_current = \"20 A\"\n[[joint]]\nname = \"hip\"\nratio = { min = 4, max = 25 }\nobjective = \"mass\"\n\
+         gear = { efficiency = 0.95, mass = \"150 g\", inertia = \"2e-6 kg*m^2\" }\npoints = [{ torque = \"3.5 N*m\", speed = \"4 rad/s\", duration = \"0.4 s\" }]\n",
+    );
+    let judged = |catalog: &str, named: &str| {
+        let design = format!("requirement = \"robot.toml\"\n{catalog}[[joint]]\nname = \"hip\"\n{named} = 12\n");
+        write("design.toml", &design);
+        let output = run(folder.path(), &["check", "design.toml", "--json"]);
+        let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        (report["joints"].clone(), report["errors"].clone(), report["warnings"].clone())
+    };
+    let by_file = judged("", "actuator = \"fitted.toml\"\nratio");
+    assert!(by_file.0[0]["design"]["motor_drag_loss_w"].as_f64().unwrap() > 0.1, "{by_file:?}");
+    assert_eq!(by_file, judged("catalog = [\"fitted.toml\"]\n", "motor = \"x-fitted\"\nratio"));
+}
