@@ -526,7 +526,9 @@ fn heat_coverage(repeats: u64) -> Vec<(String, Score)> {
     ];
     let mut scores = Vec::new();
     let empty = bench_of(Vec::new());
-    for (duration, wander) in [((1200.0, 1800.0), 0.0), ((1200.0, 1800.0), 0.2), ((2000.0, 2000.0), 0.2)] {
+    // Rows are two seconds apart: at 1201 s the current is switched between two of them.
+    let durations = [(1200.0, 1800.0), (1200.0, 1800.0), (2000.0, 2000.0), (1201.0, 1800.0)];
+    for (duration, wander) in durations.into_iter().zip([0.0, 0.2, 0.2, 0.0]) {
         let test =
             HeatTest { resistances: (1.6, 2.4), constants: (28.0, 420.0), copper: 0.7, current: 5.0, duration, wander };
         let mut r = Random::new(11, "heat");

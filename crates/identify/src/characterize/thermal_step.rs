@@ -21,6 +21,12 @@ pub struct ThermalStep;
 
 /// At most so many samples are fitted.
 const SAMPLES: usize = 1500;
+/// Share of the largest heat from which a change from one row to the next is a switch, at an instant between the two.
+const SWITCHED: f64 = 0.2;
+/// Most switches whose instants are fitted.
+const SWITCHES: usize = 4;
+/// Number of the unknowns before the instants of the switches.
+const PLAIN: usize = 6;
 /// Temperatures that are less apart at the start count as alike \[K\].
 const APART: f64 = 0.5;
 /// Columns of the row, in the order of the unknowns.
@@ -37,6 +43,17 @@ struct Heating {
     current: Vec<f64>,
     winding: Option<Vec<f64>>,
     housing: Option<Vec<f64>>,
+    switches: Vec<Switch>,
+}
+
+/// A change of the current at an instant that lies between two rows of the log.
+struct Switch {
+    /// Place of the sample before which it is.
+    sample: usize,
+    /// Currents before and after it \[A\].
+    currents: [f64; 2],
+    /// First and last share of the time between the two samples at which it may be.
+    within: [f64; 2],
 }
 
 /// Copper's resistance: value and temperature that it refers to.
@@ -55,13 +72,24 @@ impl Heating {
         let heating = current.chunks(every).map(|c| super::line::mean(&c.iter().map(|i| i * i).collect::<Vec<_>>()));
         // A missing current is the last that was seen: one cell that is not there must not stop the heat.
         let first = current.iter().copied().find(|i| i.is_finite())?;
-        let heating = heating
+        let heating: Vec<f64> = heating
             .scan(first * first, |last, square| {
                 *last = square.unwrap_or(*last);
                 Some(last.sqrt())
             })
             .collect();
+        let largest = current.iter().filter(|i| i.is_finite()).map(|i| i * i).fold(0.0, f64::max);
+        let is_switch = |k: &usize| (current[*k].powi(2) - current[k - 1].powi(2)).abs() > SWITCHED * largest;
+        let switch = |k: usize| {
+            let sample = (k - 1) / every + 1;
+            let [from, to] = [sample - 1, sample].map(|s| log.time.get(s * every).copied());
+            let share = |t: f64| Some(((t - from?) / (to? - from?)).clamp(0.0, 1.0));
+            let within = [share(log.time[k - 1])?, share(log.time[k])?];
+            Some(Switch { sample, currents: [current[k - 1], current[k]], within })
+        };
+        let switches: Vec<Switch> = (1..current.len()).filter(is_switch).filter_map(switch).collect();
         Some(Heating {
+            switches: if switches.len() > SWITCHES { Vec::new() } else { switches },
             time: thin(&log.time),
             current: heating,
             winding: log.channel(Channel::WindingTemperature).map(thin),
@@ -69,7 +97,8 @@ impl Heating {
         })
     }
 
-    /// Winding and housing \[K\] at every sample.
+    /// Winding and housing \[K\] at every sample. `p` has resistances, time constants, both temperatures at the start, and of each switch
+    /// the share of the time between two samples that the current before it lasts.
     fn simulate(&self, p: &[f64], copper: Copper, ambient: f64) -> Vec<(f64, f64)> {
         let [r_wh, r_ha, tau_w, tau_h] = [p[0], p[1], p[2], p[3]];
         let (c_w, c_h) = (tau_w / r_wh, tau_h / r_ha);
@@ -82,11 +111,9 @@ impl Heating {
         let mut out = vec![at];
         // Fast enough for either node, the housing's capacity coupled through the winding's resistance too.
         let fastest = 0.2 * tau_w.min(tau_h).min(c_h * r_wh);
-        for k in 1..self.time.len() {
-            let span = self.time[k] - self.time[k - 1];
+        let mut hold = |span: f64, i: f64| {
             let parts = ((span / fastest).ceil()).clamp(1.0, 200.0);
             let h = span / parts;
-            let i = self.current[k - 1];
             for _ in 0..parts as usize {
                 let a = slope(at, i);
                 let b = slope((at.0 + 0.5 * h * a.0, at.1 + 0.5 * h * a.1), i);
@@ -95,7 +122,18 @@ impl Heating {
                 at.0 += h / 6.0 * (a.0 + 2.0 * b.0 + 2.0 * c.0 + d.0);
                 at.1 += h / 6.0 * (a.1 + 2.0 * b.1 + 2.0 * c.1 + d.1);
             }
-            out.push(at);
+            at
+        };
+        for k in 1..self.time.len() {
+            let span = self.time[k] - self.time[k - 1];
+            let switch = self.switches.iter().position(|switch| switch.sample == k);
+            out.push(match switch.map(|of| (p[PLAIN + of], self.switches[of].currents)) {
+                Some((lasts, [before, after])) => {
+                    hold(lasts * span, before);
+                    hold((1.0 - lasts) * span, after)
+                }
+                None => hold(span, self.current[k - 1]),
+            });
         }
         out
     }
@@ -133,7 +171,7 @@ impl Heating {
         let best = [0.02, 0.1]
             .iter()
             .map(|share| {
-                let unknowns = [
+                let mut unknowns = vec![
                     unknown(r_wh),
                     unknown(r_ha),
                     unknown(share * duration),
@@ -141,14 +179,26 @@ impl Heating {
                     temperature(w0),
                     temperature(h0),
                 ];
+                unknowns.extend(self.switches.iter().map(|Switch { within: [lower, upper], .. }| Unknown {
+                    start: 0.5 * (lower + upper),
+                    scale: 0.5,
+                    lower: *lower,
+                    upper: *upper,
+                }));
                 minimise(1, &of, &unknowns, 60, 1e-9)
             })
             .min_by(|a, b| a.cost.total_cmp(&b.cost))?;
         let values = best.values;
         let left = of(0, &values);
-        let columns: Vec<Vec<f64>> = (0..6)
+        let count = values.len();
+        let columns: Vec<Vec<f64>> = (0..count)
             .map(|j| {
-                let step = 1e-4 * if j < 4 { values[j] } else { 1.0 };
+                let step = match j {
+                    0..4 => 1e-4 * values[j],
+                    4..PLAIN => 1e-4,
+                    _ if values[j] > 0.5 => -1e-4,
+                    _ => 1e-4,
+                };
                 let mut moved = values.clone();
                 moved[j] += step;
                 of(0, &moved).iter().zip(&left).map(|(a, b)| (a - b) / step).collect()
@@ -156,18 +206,18 @@ impl Heating {
             .collect();
         let n = left.len();
         let scale: Vec<f64> = columns.iter().map(|c| c.iter().map(|v| v * v).sum::<f64>().sqrt().max(1e-300)).collect();
-        let x = DMatrix::from_fn(n, 6, |r, c| columns[c][r] / scale[c]);
+        let x = DMatrix::from_fn(n, count, |r, c| columns[c][r] / scale[c]);
         let inverse = (x.transpose() * &x).cholesky()?.inverse();
         let residual = DVector::from_column_slice(&left);
         let squares = residual.norm_squared();
         // Neighbours that are alike count less, by the channel where they are most alike.
         let alike = left.chunks(self.time.len()).map(alike).fold(1.0, f64::max);
-        let effective = (n as f64 / alike).max(8.0);
-        let variance = squares / n as f64 * (n as f64 / effective) * effective / (effective - 6.0);
+        let effective = (n as f64 / alike).max(count as f64 + 2.0);
+        let variance = squares / n as f64 * (n as f64 / effective) * effective / (effective - count as f64);
         let of = |j: usize| Estimate {
             value: values[j],
             standard_uncertainty: (variance * inverse[(j, j)]).sqrt() / scale[j],
-            freedom: effective - 6.0,
+            freedom: effective - count as f64,
         };
         let rmse = (squares / n as f64).sqrt();
         Some((values.clone(), [of(0), of(1), of(2), of(3)], rmse))
