@@ -92,6 +92,10 @@ impl Places<'_> {
         let design = self.design;
         let in_design = |span: &Range<usize>| Location::of(&design.source, span);
         let in_requirement = |steps: &[Step]| {
+            let names = steps.iter().map(|(Step::Key(name) | Step::Named(name))| *name);
+            if let Some((source, span)) = design.set.written(&names.collect::<Vec<_>>()) {
+                return Location::of(source, &span);
+            }
             let span = locate(&design.requirement, steps).unwrap_or(0..0);
             Location::of(&design.requirement, &span)
         };

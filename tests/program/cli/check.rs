@@ -785,3 +785,22 @@ fn a_fitted_actuator_is_judged_alike_by_its_file_and_by_its_id() {
     assert!(by_file.0[0]["design"]["motor_drag_loss_w"].as_f64().unwrap() > 0.1, "{by_file:?}");
     assert_eq!(by_file, judged("catalog = [\"fitted.toml\"]\n", "motor = \"x-fitted\"\nratio"));
 }
+
+/// What the design sets in the place of the requirement's is found in the design.
+#[test]
+fn a_finding_on_a_value_that_is_set_names_its_line_in_the_design() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), breaking("GW008"));
+    let path = folder.path().join("design.toml");
+    let asked = |design: &str| {
+        fs::write(&path, design).unwrap();
+        let output = run(folder.path(), &["check", "design.toml", "--json"]);
+        let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let finding = report["findings"].as_array().unwrap().iter().find(|f| f["code"] == "GW017").cloned().unwrap();
+        (finding["asked_for_at"]["file"].clone(), finding["asked_for_at"]["line"].clone())
+    };
+    let design = fs::read_to_string(&path).unwrap();
+    let set = design.replacen("[[joint]]", "[set]\n\"bus.current\" = \"1 mA\"\n[[joint]]", 1);
+    let line = set.lines().position(|line| line.contains("bus.current")).unwrap() + 1;
+    assert_eq!(asked(&set), (Value::from("design.toml"), Value::from(line)));
+}

@@ -51,6 +51,17 @@ impl Change {
         Change { of_values: true, ..self }
     }
 
+    /// The place of its key and value in the file that it was written in, and the place of that file in the list of [`Change::send_home`].
+    pub fn written(&self) -> (usize, Span<usize>) {
+        (self.home, self.key_at.start.min(self.at.start)..self.at.end.max(self.key_at.end))
+    }
+
+    /// True if it changes the value at a path, or a table around it; `*` stands for all of a list.
+    pub fn sets(&self, path: &[&str]) -> bool {
+        let own: Vec<&str> = self.key.split('.').collect();
+        own.len() <= path.len() && own.iter().zip(path).all(|(own, asked)| own == asked || *own == "*")
+    }
+
     /// Whether a span of a reading with changes is in a value of a program.
     pub(super) fn is_of_values(span: &Span<usize>, changes: &[Change]) -> bool {
         let Some(from) = span.start.checked_sub(Change::ELSEWHERE) else { return false };

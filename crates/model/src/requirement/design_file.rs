@@ -31,6 +31,8 @@ pub struct DesignFile {
     pub requirement_span: Span<usize>,
     /// What the requirement says.
     pub robot: Robot,
+    /// Values that were set in the place of the requirement's.
+    pub set: Settings,
     /// Catalogue files and folders that the design takes its rows from; empty for the built-in ones.
     pub catalog: Vec<PathBuf>,
     /// The rules that the design is checked by.
@@ -336,13 +338,16 @@ fn read_design(root: &Section, from: Requirement, others: &mut Vec<InputError>) 
     let requirement = root.required_text(key("requirement", "next to this file").value("file"), "\"robot.toml\"");
     let requirement_span = root.span_of("requirement");
     let own = root.section(SET).map(|section| Settings::of_section(&section)).unwrap_or_default();
+    let set = match from {
+        Requirement::OfFile(settings) => own.then(settings),
+        Requirement::Given(..) => Settings::default(),
+    };
     let robot = requirement.as_ref().and_then(|file| {
-        let settings = match from {
-            Requirement::OfFile(settings) => settings,
-            Requirement::Given(source, robot) => return Some((source.clone(), robot.clone())),
-        };
+        if let Requirement::Given(source, robot) = from {
+            return Some((source.clone(), robot.clone()));
+        }
         let source = open(root, &folder, file.get_ref(), file.span(), "requirement")?;
-        let robot = own.then(settings).read(&source, None);
+        let robot = set.read(&source, None);
         let mut noted = |error: InputError| match Arc::ptr_eq(&error.source, root.source()) {
             // What the design itself sets.
             true => error.problems.into_iter().for_each(|problem| root.note(problem)),
@@ -407,7 +412,16 @@ fn read_design(root: &Section, from: Requirement, others: &mut Vec<InputError>) 
         return None;
     }
     let joints = robot.joints.iter().map(|j| found.remove(&j.name)).collect::<Option<Vec<_>>>()?;
-    Some(DesignFile { source: root.source().clone(), requirement, requirement_span, robot, catalog, rules, joints })
+    Some(DesignFile {
+        source: root.source().clone(),
+        requirement,
+        requirement_span,
+        robot,
+        set,
+        catalog,
+        rules,
+        joints,
+    })
 }
 
 /// Opens a file that the design names; where that fails, the problem stands at the name.

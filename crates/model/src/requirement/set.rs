@@ -138,6 +138,12 @@ impl Settings {
         (&self.changes, &self.homes)
     }
 
+    /// The file and the place in which the value at a path was set; `None` where it is the requirement's own, or was set in no file.
+    pub fn written(&self, path: &[&str]) -> Option<(&Arc<Source>, std::ops::Range<usize>)> {
+        let (home, span) = self.changes.iter().rfind(|change| change.sets(path))?.written();
+        Some((self.homes.get(home).filter(|source| source.name() != OPTION)?, span))
+    }
+
     /// Reads a requirement with them; `no_springs` as for [`super::read_without_springs`].
     ///
     /// # Errors
