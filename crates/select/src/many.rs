@@ -93,13 +93,14 @@ pub fn with_samples(robot: Robot, catalog: &Catalog, options: Options) -> Result
         let found = optimize_with(&robot, &left, options)?;
         let mut motors = BTreeSet::new();
         for (k, place) in places.iter().enumerate() {
+            // Motors may exceed a limit at the same sample.
+            let known = looked[k].clone();
             for (motor, fresh) in exceeded((&whole, &whole.joints[*place]), &demands[k], &found.joints[*place], stop)? {
-                let before = looked[k].len();
-                looked[k].extend(fresh);
-                if looked[k].len() > before {
+                if fresh.iter().any(|sample| !known.contains(sample)) {
                     motors.insert(motor);
                     rounds[k] = round + 1;
                 }
+                looked[k].extend(fresh);
             }
         }
         if motors.is_empty() {
