@@ -204,7 +204,7 @@ pub fn optimize(ready: Ready, asked: &Asked, names: Names, watch: Watch) -> Resu
 /// Reasons for a search without an answer.
 enum Unfound {
     Failed(Failure),
-    /// Its designs exceed limits at samples that it did not look at: the robot with them.
+    /// The robot with further samples, at which designs of this search exceed a limit.
     Exceeds(Box<Robot>),
 }
 

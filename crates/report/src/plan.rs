@@ -14,8 +14,8 @@ use gearwise_identify::identify::plan::{
 use gearwise_identify::{Bench, BenchKind};
 use gearwise_model::words::handy::handy;
 
-/// Three digits are enough for a distance.
-fn round(value: f64) -> String {
+/// A value with three significant digits.
+pub(crate) fn round(value: f64) -> String {
     number(format!("{value:.2e}").parse().unwrap_or(value))
 }
 

@@ -106,7 +106,7 @@ pub struct Options<'p> {
     /// told of joints without a design alone: that a motor cannot is often quickly seen, and why it comes nowhere
     /// takes long.
     pub reasons: bool,
-    /// Whether motors whose search ended after its share of the work get what others left over.
+    /// If true, motors whose search reached its share of the work get the work that others left over.
     pub leftover: bool,
     /// Called once for each motor and joint that is done.
     pub tick: &'p (dyn Fn() + Sync),

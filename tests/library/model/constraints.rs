@@ -202,7 +202,7 @@ fn once(table: &str, bus: &str, torque: f64, limits: &str) -> Robot {
     ))
 }
 
-/// True if heat over the motion of the only motor or module of a table cannot be judged at N = 9.
+/// Heat over the motion of the only motor or module of a table: true if it cannot be judged at N = 9.
 fn heat_is_open(robot: &Robot, table: &str) -> bool {
     let catalog = catalog(table).with_modules([&"*".to_string()].into_iter(), |m| m);
     let joint = &robot.joints[0];

@@ -786,7 +786,7 @@ fn a_fitted_actuator_is_judged_alike_by_its_file_and_by_its_id() {
     assert_eq!(by_file, judged("catalog = [\"fitted.toml\"]\n", "motor = \"x-fitted\"\nratio"));
 }
 
-/// What the design sets in the place of the requirement's is found in the design.
+/// A finding on a value of `[set]` names the line of the design, not that of the requirement.
 #[test]
 fn a_finding_on_a_value_that_is_set_names_its_line_in_the_design() {
     let folder = tempfile::tempdir().unwrap();

@@ -134,15 +134,16 @@ pub fn find(bench: &Bench, balance: Balance, setting: &impl Fn(Corrections) -> S
     let mut corrections = Corrections::none(balance.logs.len());
     let target = balance.target;
     corrections.gains = gains(&balance);
-    for (log, sign) in passive_signs(bench, &balance).into_iter().enumerate() {
+    let signs = passive_signs(bench, &balance).into_iter().zip(taken_torque(&balance));
+    for (log, (sign, taken)) in signs.enumerate() {
         corrections.gains[log] *= sign;
         let is_turned = corrections.gains[log] < 0.0;
-        match (is_turned, takes_torque(&balance, log)) {
-            (true, Some(true)) => {
+        match (is_turned, taken) {
+            (true, Some(Taken::Opposing)) => {
                 corrections.gains[log] *= -1.0;
                 corrections.signs[log].current = -1.0;
             }
-            (false, Some(false)) => corrections.signs[log].motion = -1.0,
+            (false, Some(Taken::Following)) => corrections.signs[log].motion = -1.0,
             _ => {}
         }
     }
@@ -188,29 +189,40 @@ fn passive_signs(bench: &Bench, balance: &Balance) -> Vec<f64> {
         .collect()
 }
 
-/// Whether inertia and friction of a log, driven by a current, take torque as they must; `false` where the motion has another sign
-/// than the torque. `None` where they are not sure, or explain little.
-fn takes_torque(balance: &Balance, log: usize) -> Option<bool> {
-    let inertia = balance.base.iter().position(|b| b.which == Base::Inertia)?;
+/// Direction of the torque that inertia and friction take at the sensor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Taken {
+    /// It opposes the motion, as in every machine.
+    Opposing,
+    /// It has the direction of the motion: sensor and motion have different signs.
+    Following,
+}
+
+/// The direction in which inertia and friction take torque in each log that a current drives; `None` where it is not certain.
+fn taken_torque(balance: &Balance) -> Vec<Option<Taken>> {
+    let logs = balance.logs.len();
+    let inertia = balance.base.iter().position(|b| b.which == Base::Inertia);
+    let Some(inertia) = inertia.filter(|_| balance.target == Target::Torque) else { return vec![None; logs] };
     let driving = balance.base_column(0);
-    if balance.target != Target::Torque || driving.iter().all(|v| *v == 0.0) {
-        return None;
+    if driving.iter().all(|v| *v == 0.0) {
+        return vec![None; logs];
     }
     let taken = [balance.base_column(inertia), balance.function(|at| at.speed), balance.function(|at| at.direction)];
     let target = balance.target_column();
-    let own = |b: usize| balance.rows.block_log[b] == log;
-    let left = |columns: &[&[f64]]| {
-        let blocks = Blocks::new(&balance.rows, columns, &target);
-        let total = blocks.total(own);
+    let alone = Blocks::new(&balance.rows, &[&driving], &target);
+    let with = Blocks::new(&balance.rows, &[&driving, &taken[0], &taken[1], &taken[2]], &target);
+    let of_log = |log: usize| {
+        let own = |b: usize| balance.rows.block_log[b] == log;
+        let [total_alone, total] = [&alone, &with].map(|blocks| blocks.total(own));
         let solution = solve(&total);
-        let covariance = covariance(&blocks, &solution, own);
-        let sure: Vec<f64> = (0..columns.len()).map(|k| solution.coefficients[k] / covariance[(k, k)].sqrt()).collect();
-        (squares(&total, &solution.coefficients), sure)
+        let covariance = covariance(&with, &solution, own);
+        let in_errors = (1..=taken.len()).map(|k| solution.coefficients[k] / covariance[(k, k)].sqrt());
+        let surest = in_errors.filter(|t| t.is_finite()).max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
+        let left = squares(&total_alone, &solve(&total_alone).coefficients);
+        let is_certain = surest.abs() > SURE && squares(&total, &solution.coefficients) < (1.0 - FOLLOWS) * left;
+        is_certain.then_some(if surest > 0.0 { Taken::Opposing } else { Taken::Following })
     };
-    let (alone, _) = left(&[&driving]);
-    let (with, sure) = left(&[&driving, &taken[0], &taken[1], &taken[2]]);
-    let surest = sure[1..].iter().filter(|t| t.is_finite()).max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
-    (surest.abs() > SURE && with < (1.0 - FOLLOWS) * alone).then_some(*surest > 0.0)
+    (0..logs).map(of_log).collect()
 }
 
 /// Whether a late channel would show: over time, where something moves; and not beside a wind-up, which looks the same.

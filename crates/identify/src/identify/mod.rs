@@ -271,7 +271,7 @@ fn narrowed(bench: &Bench, target: Target, options: &Options, times: usize) -> O
         (work, selection, stages, corrections, held) = before;
     }
     selection.back_to_the_best(&mut work);
-    // What was held before the effects were known may be seen beside them, and hides what is seen.
+    // What was held before the effects were known may be seen beside them; an inertia that hides the scale of the load is held.
     held.retain(|which| !work.release(*which));
     held.extend(work.hold_what_hides_load());
     work.settle_saturation();

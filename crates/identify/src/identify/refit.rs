@@ -27,12 +27,12 @@ const SEEN: f64 = 3.0;
 const DOUBT: f64 = 0.3;
 
 impl Work<'_> {
-    /// What share of a column neither the other columns nor any function of speed make up.
+    /// Share of a column that neither the other columns nor any function of speed explain.
     fn own_share(&self, term: usize) -> f64 {
         self.share_beside(term, &of_speed(self))
     }
 
-    /// What share of a column neither the other columns nor more of them make up.
+    /// Share of a column that neither the other columns nor the `more` ones explain.
     fn share_beside(&self, term: usize, more: &[Vec<f64>]) -> f64 {
         let mut columns = self.columns_without(term);
         columns.extend(more.iter().map(Vec::as_slice));
@@ -207,8 +207,8 @@ impl Work<'_> {
         }
     }
 
-    /// True if the scale of the known load, which shows the torque constant, is nothing beyond inertia and effects: a pendulum beside its
-    /// inertia and another weight.
+    /// True if inertia and effects explain the column of the known load, whose scale shows the torque constant: a pendulum beside an
+    /// unknown inertia and another weight.
     fn hides_load(&self) -> bool {
         let scale = (0..self.terms.len()).find(|t| self.is_base(*t, Base::LoadScale));
         scale.is_some_and(|t| self.share_beside(t, &[]) < LOAD_SHARE)

@@ -373,7 +373,7 @@ impl Waveform {
         self.largest_above(functional, actuator, ratio, f64::NEG_INFINITY)
     }
 
-    /// As [`Self::largest`], where it is above a floor; else the floor, with no certain index.
+    /// The largest value and its index, if the value exceeds a floor; else the floor and any index.
     pub fn largest_above(&self, functional: Functional, actuator: &Actuator, ratio: f64, floor: f64) -> Largest {
         let mut largest = Largest { value: floor, index: 0 };
         self.walk(functional, actuator, ratio, &mut largest);

@@ -1,7 +1,7 @@
 //! The verdict over all equations of a bench, in a sentence that anyone understands.
 
 use super::{channel_name, listed, overall, percent, refused, round, strength};
-use crate::number;
+use crate::{number, plan};
 use gearwise_identify::answer::Base;
 use gearwise_identify::identify::evidence::AT_THE_NOISE;
 use gearwise_identify::identify::{Ground, Report, Stage, Verdict};
@@ -77,8 +77,7 @@ fn said(bench: &Bench, reports: &[Report], unseen: impl Fn(&[Report]) -> String)
                 }
                 _ => return Some(format!("{name} {} % {more}", number((1e3 * change.abs()).round() / 10.0))),
             };
-            let times: f64 = format!("{times:.2e}").parse().unwrap_or(times);
-            Some(format!("{name} {} times the declared one ({remedy})", number(times)))
+            Some(format!("{name} {} times the declared one ({remedy})", plan::round(times)))
         })
         .collect();
     let errors = |report: &Report| -> Option<String> {

@@ -19,14 +19,14 @@ pub(super) struct Gridded<'a> {
 /// Signs of the channels of a log: −1 where they are counted the other way round.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Signs {
-    /// Of the current.
+    /// Sign of the current.
     pub current: f64,
-    /// Of all positions, velocities and accelerations.
+    /// Sign of all positions, velocities and accelerations.
     pub motion: f64,
 }
 
 impl Signs {
-    /// None is turned.
+    /// Signs as declared.
     pub const DECLARED: Signs = Signs { current: 1.0, motion: 1.0 };
 
     fn of(self, channel: Channel) -> f64 {

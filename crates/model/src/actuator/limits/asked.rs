@@ -74,7 +74,7 @@ impl Asked {
         self.raw_demand_above(candidate, ratio, f64::NEG_INFINITY)
     }
 
-    /// As [`Self::raw_demand`], where it is above a floor; else a value that is not above it, with no certain sample.
+    /// The functional's value at a ratio and its sample, if the value exceeds a floor; else some value up to the floor and any sample.
     pub fn raw_demand_above(&self, candidate: &Candidate, ratio: f64, floor: f64) -> (f64, Option<usize>) {
         if candidate.is_evaluated() {
             let later = candidate.first_sample(self.actuator);

@@ -267,7 +267,7 @@ mod tests {
         assert_eq!(alone.standing, alone.lags);
         assert_eq!(Response::of_tables(20.0, &[], &standing).unwrap().standing, response.standing);
         assert!(Response::of_tables(20.0, &[], &[]).is_none());
-        // At standstill it bears 15 N·m for a while, and turning for ever: one point says nothing of turning.
+        // 15 N·m is above the rating at standstill, but below it while turning: a single usable point gives no response.
         assert!(Response::of_tables(20.0, &[], &[[15.0, 600.0], [30.0, 25.0]]).is_none());
     }
 
