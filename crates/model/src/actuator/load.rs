@@ -443,7 +443,7 @@ impl Load {
     pub(crate) fn rippled(&self) -> Option<&Waveform> {
         let wave = self.bandwidth.as_ref()?;
         let Some(needs) = &self.needs else { return Some(wave) };
-        Some(self.rippled.get_or_init(|| {
+        let make = || {
             let mut of_points = vec![0.0_f64; wave.len()];
             for (k, d) in needs.currents(wave, true) {
                 for other in wave.of_sample(wave.origin(k)) {
@@ -451,7 +451,8 @@ impl Load {
                 }
             }
             wave.weakened(of_points)
-        }))
+        };
+        Some(self.rippled.get_or_init(|| work::uncounted(make)))
     }
 
     /// The load that the voltage at an end of the motor's drag is computed with.

@@ -21,6 +21,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use nalgebra::Complex;
 
+use crate::numerics::work;
 use crate::requirement::{Course, Motion};
 
 /// Degrees are multiples of one over this.
@@ -487,7 +488,7 @@ impl Sweep {
             let mut tables = self.tables.lock().unwrap_or_else(PoisonError::into_inner);
             tables.entry(tau.to_bits()).or_default().clone()
         };
-        of(table.get_or_init(|| self.table(tau)))
+        of(table.get_or_init(|| work::uncounted(|| self.table(tau))))
     }
 
     /// Compute the degrees of every step of κ, which do not rise with κ.
@@ -611,16 +612,17 @@ impl<L> Stood<L> {
         make: impl FnOnce(&[u8]) -> L,
     ) -> &'l L {
         let is_same = |node: &&Node<L>| node.step == step && node.tau == tau.to_bits();
+        // Of nodes that threads added at once the first counts, so that loads are the same one where degrees are alike.
         let with = |degrees: &[u8]| {
             let alike = self.nodes().find(|node| *node.degrees == *degrees && node.load.is_some());
             alike.and_then(|node| node.load.as_ref()).unwrap_or(base)
         };
         if let Some(node) = self.nodes().find(is_same) {
-            return node.load.as_ref().unwrap_or_else(|| with(&node.degrees));
+            return with(&node.degrees);
         }
         let degrees = degrees();
         let is_new = degrees.iter().any(|d| *d > 0) && std::ptr::eq(with(&degrees), base);
-        let load = is_new.then(|| make(&degrees));
+        let load = is_new.then(|| work::uncounted(|| make(&degrees)));
         let mut node = Box::new(Node { step, tau: tau.to_bits(), degrees, load, next: Stood::default() });
         let mut at = self;
         // Another thread may add one meanwhile: then this comes after that.
@@ -635,7 +637,7 @@ impl<L> Stood<L> {
             };
         }
         let own = self.nodes().find(is_same).unwrap_or_else(|| unreachable!("it was added"));
-        own.load.as_ref().unwrap_or_else(|| with(&own.degrees))
+        with(&own.degrees)
     }
 }
 
@@ -646,6 +648,19 @@ mod tests {
 
     use super::*;
     use crate::requirement::{Point, Samples};
+
+    #[test]
+    fn loads_of_like_degrees_are_one_though_threads_make_them_at_once() {
+        let (base, stood) = (0, Stood::default());
+        let degrees = || Arc::from([1_u8, 2]);
+        // Another thread adds its load while this one makes its own.
+        let first = stood.of(&base, (1, 1.0), degrees, |_| *stood.of(&base, (2, 1.0), degrees, |_| 20) / 2);
+        assert_eq!(*first, 20);
+        for step in [1, 2, 3] {
+            assert!(std::ptr::eq(stood.of(&base, (step, 1.0), degrees, |_| unreachable!("it is there")), first));
+        }
+        assert!(std::ptr::eq(stood.of(&base, (4, 1.0), || Arc::from([0, 0]), |_| 40), &base));
+    }
 
     /// Peaks of the excess of the worst phase and of the mean heat behind a lag of `tau`: by integration over the electrical angle,
     /// and by degrees of standstill. The heat of every sample is the square of `torque`.

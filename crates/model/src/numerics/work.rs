@@ -17,6 +17,14 @@ pub fn count(steps: usize) {
     DONE.set(DONE.get().wrapping_add(steps as u64));
 }
 
+/// Make what is kept for others to find, without counting its steps: who asks first depends on the threads.
+pub fn uncounted<T>(make: impl FnOnce() -> T) -> T {
+    let before = DONE.get();
+    let made = make();
+    DONE.set(before);
+    made
+}
+
 /// Run a search that ends after a number of steps, which [`is_spent`] tells it. Returns its result and the steps that it did. Within
 /// another search, that search sets the end and counts the steps, and the result has none. The search may have no parallel sections.
 pub fn within<T>(steps: u64, search: impl FnOnce() -> T) -> (T, u64) {
@@ -52,6 +60,7 @@ mod tests {
         for _ in 0..2 {
             let (looks, steps) = within(10, || {
                 let mut looks = 0;
+                uncounted(|| count(1_000));
                 while !is_spent() {
                     assert_eq!(within(1_000, || count(3)), ((), 0));
                     looks += 1;
