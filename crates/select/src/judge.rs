@@ -56,7 +56,7 @@ fn doubt_of(prepared: &Prepared, unchecked: &[Remark], only_checked: bool) -> Op
     plain.or_else(|| unjudged(robot, joint, unchecked).first().copied())
 }
 
-/// Most ratios of a window that are looked at for whether they can be judged; fewer of a motion of many samples.
+/// Fewest and most ratios of a window that are looked at for whether they can be judged: fewer of many samples and candidates.
 const LOOKS: (usize, usize) = (8, 100);
 
 /// The optimum among the ratios at which its design is a choice, where some limit can be judged at some ratios only: its
@@ -68,7 +68,7 @@ pub(super) fn judged_part(prepared: &Prepared, optimum: Optimum, only_checked: b
     let doubt = |ratio: f64| doubt(prepared, ratio, only_checked);
     let joint = prepared.candidate.joint;
     let Some(values) = joint.ratio.listed().filter(|_| prepared.candidate.catalog_gear.is_none()) else {
-        return within(prepared, optimum, &doubt);
+        return within(prepared, optimum, Doubts { count: 1, of: &|_, ratio| doubt(ratio) });
     };
     let look = |ratio: f64| match (tried(prepared, &joint.objective, ratio), doubt(ratio)) {
         (Tried::Kept(..), Some(why)) => Tried::Doubt(why),
@@ -83,9 +83,44 @@ pub(super) fn may_change(prepared: &Prepared, only_checked: bool) -> bool {
     prepared.judged_at_ratio().any(|name| only_checked || is_stated(name, robot, joint))
 }
 
-/// The same by what keeps a ratio from being a choice.
-pub(super) fn within(prepared: &Prepared, optimum: Optimum, doubt: &dyn Fn(f64) -> Option<Remark>) -> Optimum {
-    let windows: Vec<Window> = optimum.windows.iter().flat_map(|w| parts(prepared, w, optimum.ratio, doubt)).collect();
+/// What keeps a ratio from being a choice, of each of several candidates. On the way from a ratio without doubt each has it from some ratio
+/// on.
+#[derive(Clone, Copy)]
+pub(super) struct Doubts<'d> {
+    pub(super) count: usize,
+    /// By the number of the candidate and the ratio.
+    pub(super) of: &'d dyn Fn(usize, f64) -> Option<Remark>,
+}
+
+impl Doubts<'_> {
+    fn at(self, ratio: f64) -> Option<Remark> {
+        (0..self.count).find_map(|k| (self.of)(k, ratio))
+    }
+
+    /// The last ratio without doubt on the way from one without to one with, and the doubt beyond it.
+    fn edge(self, good: f64, bad: f64, mut why: Remark) -> (f64, Remark) {
+        let mut reach = bad;
+        for k in 0..self.count {
+            // One without doubt as far as the others reach has none nearer.
+            let Some(own) = (self.of)(k, reach) else { continue };
+            let (mut low, mut high) = (good, reach);
+            why = own;
+            for _ in 0..60 {
+                let middle = 0.5 * (low + high);
+                match (self.of)(k, middle) {
+                    None => low = middle,
+                    Some(other) => (high, why) = (middle, other),
+                }
+            }
+            reach = low;
+        }
+        (reach, why)
+    }
+}
+
+/// The optimum among the ratios without doubt, as [`judged_part`] says.
+pub(super) fn within(prepared: &Prepared, optimum: Optimum, doubts: Doubts) -> Optimum {
+    let windows: Vec<Window> = optimum.windows.iter().flat_map(|w| parts(prepared, w, optimum.ratio, doubts)).collect();
     if windows.is_empty() || windows == optimum.windows {
         return optimum;
     }
@@ -95,7 +130,7 @@ pub(super) fn within(prepared: &Prepared, optimum: Optimum, doubt: &dyn Fn(f64) 
     let objective = &prepared.candidate.joint.objective;
     let value = |n: f64| prepared.at_in_full(n).objective(objective).unwrap_or(f64::INFINITY);
     let intervals: Vec<(f64, f64)> = windows.iter().map(|w| (w.min, w.max)).collect();
-    let valley = RatioProgram::least_over(&value, &intervals).filter(|(n, _)| doubt(*n).is_none());
+    let valley = RatioProgram::least_over(&value, &intervals).filter(|(n, _)| doubts.at(*n).is_none());
     let ends = intervals.iter().flat_map(|(a, b)| [*a, *b]).map(|n| (n, value(n)));
     let Some((ratio, objective)) = valley.into_iter().chain(ends).min_by(|a, b| a.1.total_cmp(&b.1)) else {
         return optimum;
@@ -112,22 +147,16 @@ pub(super) fn within(prepared: &Prepared, optimum: Optimum, doubt: &dyn Fn(f64) 
 }
 
 /// The parts of a window without doubt.
-fn parts(prepared: &Prepared, window: &Window, ratio: f64, doubt: &dyn Fn(f64) -> Option<Remark>) -> Vec<Window> {
-    let looks = (200_000 / prepared.candidate.joint.motion.len().max(1)).clamp(LOOKS.0, LOOKS.1);
+fn parts(prepared: &Prepared, window: &Window, ratio: f64, doubts: Doubts) -> Vec<Window> {
+    let samples = prepared.candidate.joint.motion.len().max(1) * doubts.count.max(1);
+    let looks = (200_000 / samples).clamp(LOOKS.0, LOOKS.1);
     let mut ratios = if window.max > window.min { grid(window.min, window.max, looks) } else { vec![window.min] };
     ratios.extend((window.min < ratio && ratio < window.max).then_some(ratio));
     ratios.sort_by(f64::total_cmp);
-    let seen: Vec<(f64, Option<Remark>)> = ratios.into_iter().map(|n| (n, doubt(n))).collect();
-    // The last ratio without doubt on the way from one without to one with, and what the doubt is.
-    let edge = |mut good: f64, mut bad: f64, mut why: Remark| {
-        for _ in 0..60 {
-            let middle = 0.5 * (good + bad);
-            match doubt(middle) {
-                None => good = middle,
-                Some(other) => (bad, why) = (middle, other),
-            }
-        }
-        (good, Bind { limit: why.0, sample: None, unjudged: Some(why.1) })
+    let seen: Vec<(f64, Option<Remark>)> = ratios.into_iter().map(|n| (n, doubts.at(n))).collect();
+    let edge = |good: f64, bad: f64, why: Remark| {
+        let (reach, why) = doubts.edge(good, bad, why);
+        (reach, Bind { limit: why.0, sample: None, unjudged: Some(why.1) })
     };
     let mut parts: Vec<Window> = Vec::new();
     let mut open: Option<(f64, Bind)> = None;

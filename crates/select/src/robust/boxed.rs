@@ -6,7 +6,7 @@ use super::derivative::Along;
 use super::proof::{Directions, Margins, Region, Verified, verify};
 use crate::answer::{Design, Reason, Unusable};
 use crate::evaluate::{Evaluation, FEASIBILITY_TOLERANCE, Judged, Margin, Prepared};
-use crate::judge;
+use crate::judge::{self, Doubts};
 use crate::mount::{Mount, Site};
 use crate::program::{Certificate, Limited, Optimum, RatioProgram, Unsolved};
 use crate::selection::Selection;
@@ -99,7 +99,9 @@ impl<'a> Over<'a, '_> {
         let program = RatioProgram::under(&boxed.nominal, objective, range, boxed.limits());
         let mut optimum = program.solve()?;
         if judge::may_change(&boxed.nominal, only_checked) {
-            optimum = judge::within(&boxed.nominal, optimum, &|ratio| boxed.doubt(ratio, only_checked));
+            let all: Vec<&Prepared> = boxed.all().collect();
+            let of = |k: usize, ratio: f64| judge::doubt(all[k], ratio, only_checked);
+            optimum = judge::within(&boxed.nominal, optimum, Doubts { count: all.len(), of: &of });
             if let Some(doubt) = boxed.doubt(optimum.ratio, only_checked) {
                 return Err(Reason::Unjudged(vec![doubt]));
             }
@@ -171,8 +173,9 @@ impl Start {
     fn new(mount: Mount, all: &[Toleranced], range: (f64, f64), only_checked: bool) -> Result<Start, Reason> {
         let nominal = mount.prepared().map_err(Reason::Unusable)?;
         let ratio = (range.0 * range.1).sqrt();
-        let at =
-            |place: &[f64]| prepared_at(mount, all, place, |prepared| margins(prepared, ratio)).unwrap_or_default();
+        let at = |place: &[f64]| {
+            prepared_at(mount, all, place, |prepared| margins(prepared, ratio, None)).unwrap_or_default()
+        };
         let directions = Directions::new(&standing_at(&nominal, ratio), all, range, &at);
         let objective = &nominal.candidate.joint.objective;
         let printed: Vec<f64> = all.iter().map(Toleranced::nominal).collect();
@@ -298,10 +301,10 @@ fn standing_at<'p>(prepared: &Prepared<'p>, ratio: f64) -> Prepared<'p> {
     }
 }
 
-/// The smallest margin of each limit at a ratio.
-fn margins(prepared: &Prepared, ratio: f64) -> Margins {
+/// The smallest margin of each limit at a ratio, or of some limits alone.
+fn margins(prepared: &Prepared, ratio: f64, some: Option<&[&str]>) -> Margins {
     let mut all = Margins::new();
-    for asked in &prepared.asked {
+    for asked in prepared.asked.iter().filter(|asked| some.is_none_or(|some| some.contains(&asked.limit.name))) {
         let new = margin(Limited { candidate: &prepared.candidate, asked }, ratio);
         let least = all.entry(asked.limit.name).or_insert(new);
         if new.margin < least.margin {
@@ -347,7 +350,7 @@ impl<'p> Boxed<'p> {
             kept.margin = kept.margin.min(new.margin);
         }
         let is_near = |limit: &str| least.get(limit).is_none_or(|margin| margin.margin <= near);
-        let margins = |at: &[f64], ratio: f64| self.margins_at(at, ratio);
+        let margins = |at: &[f64], ratio: f64, some: &[&str]| self.margins_at(at, ratio, some);
         let look = |nominal: &Prepared<'p>, corners: &[(Prepared<'p>, &'p Corner)]| {
             verify(&Region { nominal, corners, margins: &margins }, self.all, ratio, &is_near)
         };
@@ -404,9 +407,9 @@ impl<'p> Boxed<'p> {
         limits
     }
 
-    /// The smallest margin of each limit at a place of the box.
-    fn margins_at(&self, at: &[f64], ratio: f64) -> Margins {
-        prepared_at(self.mount, self.all, at, |prepared| margins(prepared, ratio)).unwrap_or_default()
+    /// The smallest margin of each of some limits at a place of the box.
+    fn margins_at(&self, at: &[f64], ratio: f64, some: &[&str]) -> Margins {
+        prepared_at(self.mount, self.all, at, |prepared| margins(prepared, ratio, Some(some))).unwrap_or_default()
     }
 
     /// Unknown that prevents a choice at a ratio, of the printed numbers or of a corner.

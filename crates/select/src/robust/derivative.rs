@@ -56,6 +56,14 @@ fn product(a: Interval, b: Interval) -> Interval {
     }
 }
 
+fn scaled([low, high]: Interval, factor: f64) -> Interval {
+    match factor {
+        0.0 => [0.0; 2],
+        _ if factor < 0.0 => [high * factor, low * factor],
+        _ => [low * factor, high * factor],
+    }
+}
+
 fn squared([low, high]: Interval) -> Interval {
     let (a, b) = (low * low, high * high);
     [if low <= 0.0 && high >= 0.0 { 0.0 } else { a.min(b) }, a.max(b)]
@@ -116,6 +124,17 @@ impl Number {
             first: (0..count).map(|i| first(of(self, i)[0], of(other, i)[0])).collect(),
             second: (0..count).map(|i| second(of(self, i), of(other, i))).collect(),
         }
+    }
+
+    /// Adds a multiple of another.
+    pub fn add_scaled(&mut self, other: &Number, factor: f64) {
+        let add = |to: &mut Vec<Interval>, from: &[Interval]| {
+            to.resize(to.len().max(from.len()), [0.0; 2]);
+            to.iter_mut().zip(from).for_each(|(to, from)| *to = sum(*to, scaled(*from, factor)));
+        };
+        self.value = sum(self.value, scaled(other.value, factor));
+        add(&mut self.first, &other.first);
+        add(&mut self.second, &other.second);
     }
 
     /// The square.
@@ -246,7 +265,8 @@ impl Mul<f64> for &Number {
     type Output = Number;
 
     fn mul(self, factor: f64) -> Number {
-        self * &Number::constant(factor)
+        let of = |all: &[Interval]| all.iter().map(|x| scaled(*x, factor)).collect();
+        Number { value: scaled(self.value, factor), first: of(&self.first), second: of(&self.second) }
     }
 }
 

@@ -498,9 +498,7 @@ fn voltage_form(torque: &Form, per_torque: &Number, rate: &Number, emf: &Number)
 fn weighed(form: &Form, features: &[f64; FEATURES], ratio: &Number, down: &Number) -> Number {
     let mut by_power = [Number::constant(0.0), Number::constant(0.0), Number::constant(0.0)];
     for f in (0..FEATURES).filter(|f| features[*f] != 0.0 && form[*f].value != [0.0; 2]) {
-        let part = &form[f] * features[f];
-        let power = (FEATURE_POWER[f] + 1) as usize;
-        by_power[power] = &by_power[power] + &part;
+        by_power[(FEATURE_POWER[f] + 1) as usize].add_scaled(&form[f], features[f]);
     }
     let [low, middle, high] = by_power;
     &(&(&low * down) + &middle) + &(&high * ratio)
@@ -812,9 +810,9 @@ impl<'e> Equations<'e> {
         for (k, (point, share)) in load.means().enumerate() {
             let square = machine.torque(point, ratio, &down).square();
             let rest = load.share(k, 1.0) - share;
-            moving = &moving + &(&square * share);
+            moving.add_scaled(&square, share);
             if rest != 0.0 {
-                standstill = &standstill + &(&square * rest);
+                standstill.add_scaled(&square, rest);
                 at_rest += rest;
             }
         }

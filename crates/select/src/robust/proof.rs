@@ -39,14 +39,25 @@ pub struct Region<'b, 'p> {
     pub nominal: &'b Prepared<'p>,
     /// Corners that were looked at.
     pub corners: &'b [(Prepared<'p>, &'p Corner)],
-    /// The smallest margin of each limit at a place of the box and a ratio.
-    pub margins: &'b dyn Fn(&[f64], f64) -> Margins,
+    /// The smallest margin of each of some limits at a place of the box and a ratio.
+    pub margins: &'b dyn Fn(&[f64], f64, &[&str]) -> Margins,
 }
 
 impl Region<'_, '_> {
+    /// True of a corner that equations are compared with the program at: of all combinations of ends those with at most one
+    /// tolerance at another end than the others, and places that break a limit.
+    fn tells(&self, corner: &Corner) -> bool {
+        let moves = |i: usize| self.corners.iter().any(|(_, other)| other.at[i] != self.corners[0].1.at[i]);
+        let (mut low, mut high) = (0, 0);
+        for i in (0..corner.at.len()).filter(|i| moves(*i)) {
+            (low, high) = (low + usize::from(corner.at[i] != 1.0), high + usize::from(corner.at[i] == 1.0));
+        }
+        corner.found_for.is_some() || low.min(high) <= 1
+    }
+
     /// The smallest margin of a limit; `None` where it does not apply there.
     fn margin_at(&self, at: &[f64], limit: &str, ratio: f64) -> Option<Margin> {
-        (self.margins)(at, ratio).get(limit).copied()
+        (self.margins)(at, ratio, &[limit]).get(limit).copied()
     }
 }
 
@@ -239,7 +250,7 @@ fn search(boxed: &Region, all: &[Toleranced], ratio: f64, verified: &mut Verifie
     let mut worst: Worst = BTreeMap::new();
     let unproven = verified.unproven.clone();
     let look = |at: Vec<f64>, worst: &mut Worst| {
-        let margins = (boxed.margins)(&at, ratio);
+        let margins = (boxed.margins)(&at, ratio, &unproven);
         for name in &unproven {
             let Some(margin) = margins.get(name).copied() else { continue };
             if worst.get(name).is_none_or(|(least, _)| margin.margin < least.margin) {
@@ -290,7 +301,7 @@ fn look(boxed: &Region, equations: &Equations, asked: &Asked, ratio: f64) -> Fou
             if !equations.agrees(asked, &middle, (&nominal.candidate, asked), ratio) {
                 return Found::Open;
             }
-            let agree = boxed.corners.iter().all(|(prepared, corner)| {
+            let agree = boxed.corners.iter().filter(|(_, corner)| boxed.tells(corner)).all(|(prepared, corner)| {
                 let same = |other: &&Asked| other.limit.name == asked.limit.name && other.end == asked.end;
                 let there = prepared.asked.iter().find(same);
                 there.is_some_and(|there| equations.agrees(asked, &corner.at, (&prepared.candidate, there), ratio))
