@@ -6,9 +6,10 @@ use gearwise::catalog::drag::Drag;
 use gearwise::catalog::{Motor, PeakTorqueOf, Printed};
 use gearwise::design::{Mount, Prepared};
 use gearwise::effects::{EFFECTS, FittedEffect};
-use gearwise::requirement::{GearModel, RatioChoice};
+use gearwise::requirement::{GearModel, RatioChoice, Regeneration};
 
 use crate::common;
+use crate::raw;
 
 /// K_T = 0.1 N·m/A and 60 A, where a published curve (mj5208) has 76 % of K_T I: 4.56 N·m.
 fn motor(of: &str, torque: &str) -> Motor {
@@ -65,6 +66,33 @@ fn the_curve_goes_through_the_one_point_of_the_row() {
     assert_relative_eq!(wound.saturation_current().unwrap(), 2.0 * i_s, max_relative = 1e-9);
 }
 
+/// Loss and ohmic drop have the true current: 4 N·m at 200 rad/s, and braking with it; what comes back counts without saturation.
+#[test]
+fn voltage_and_power_have_the_true_current() {
+    let motor = motor("motor", "4.56");
+    let i_s = 60.0 / argument(0.76);
+    let current = i_s * (4.0 / (0.1 * i_s)).atanh();
+    let mut robot = common::robot(common::hold(4.0, 200.0, 0.0), GearModel::IDEAL);
+    robot.joints[0].ratio = RatioChoice::Listed { values: vec![1.0], step: None, teeth: None };
+    robot.bus.power = Some(1e4);
+    robot.bus.regeneration = Regeneration::Limited(1e4);
+    let at = |torque: f64| {
+        let mut robot = robot.clone();
+        robot.joints[0].motion = common::hold(torque, 200.0, 0.0).into();
+        let joint = &robot.joints[0];
+        let load = Load::new(&joint.motion, None);
+        let at = Prepared::new(Mount::new(&robot, joint, &load, &motor).candidate().unwrap()).at(1.0);
+        move |limit: &str| at.margins.iter().find(|m| m.limit == limit).unwrap().demand
+    };
+    let hot = 0.05 * raw::hottest_factor(&motor, None);
+    let driving = at(4.0);
+    assert_relative_eq!(driving("bus_power"), hot * current * current + 4.0 * 200.0, max_relative = 1e-9);
+    assert_relative_eq!(driving("voltage"), hot * current + 0.1 * 200.0, max_relative = 1e-9);
+    let braking = at(-4.0);
+    let cold = 0.05 * raw::ambient_factor(&motor, robot.ambient);
+    assert_relative_eq!(braking("regeneration"), 4.0 * 200.0 - cold * 40.0 * 40.0, max_relative = 1e-9);
+}
+
 /// A sheet that prints its peak torque at a deviation from linearity gives the point by itself: 4.56 N·m at 20 % are 57 A.
 #[test]
 fn the_printed_linearity_is_the_point() {
@@ -86,7 +114,7 @@ fn the_printed_linearity_is_the_point() {
         assert_relative_eq!(prepared.at(1.0).peak_current, 57.0, max_relative = 1e-4)
     });
     let catalog = gearwise::catalog::Catalog::builtin().unwrap();
-    assert_eq!(catalog.motors.iter().filter(|m| m.saturation_current().is_some()).count(), 24);
+    assert_eq!(catalog.motors.iter().filter(|m| m.saturation_current().is_some()).count(), 25);
 }
 
 /// A peak torque without a current or a linearity leaves an interval: said near that torque, and not decided where a drive's current is in it.

@@ -190,11 +190,17 @@ fn own(case: &Case, n: f64) -> Own {
     // Or at ambient, with cold magnets.
     let r_cold = (r * raw::ambient_factor(motor, robot.ambient)).min(r_hot);
     let voltage = |p: &Point, s: f64| {
-        let v_q = |per_torque: f64| per_torque * torque(p, s) + l * rate(p, s) / k + k_b * n * p.velocity;
+        // Flux saturates with the torque, the ohmic drop has the whole current; one that opposes the rest counts in a straight line.
+        let v_q = |per_torque: f64| {
+            let straight = per_torque * torque(p, s) + l * rate(p, s) / k + k_b * n * p.velocity;
+            let more = per_torque * (k * current(torque(p, s).abs()) - torque(p, s).abs());
+            if straight * torque(p, s) > 0.0 { straight + more.copysign(straight) } else { straight }
+        };
         let most = v_q(r_hot / k).abs().max(v_q(r_cold / motor.torque_constant).abs());
         most.hypot(f64::from(poles) * n * p.velocity * l * torque(p, s) / k)
     };
-    let power = |p: &Point, s: f64| r_hot * (torque(p, s) / k).powi(2) + k_b * n * p.velocity * torque(p, s) / k;
+    let power =
+        |p: &Point, s: f64| r_hot * current(torque(p, s).abs()).powi(2) + k_b * n * p.velocity * torque(p, s) / k;
     let magnitude = |p: &Point, s: f64| torque(p, s).abs();
     let most = largest(&case.raw, &magnitude);
     let least = |a: Option<f64>, b: Option<f64>| a.into_iter().chain(b).reduce(f64::min);

@@ -86,7 +86,8 @@ impl<'a> Steady<'a> {
         let sign = direction(flow);
         let value = |torque: f64| self.at(functional, flow, sign * torque, speed);
         let largest = match functional {
-            Functional::OpenVoltage(_) | Functional::LeastVoltage(_) => largest_by_halving(&value, bound),
+            Functional::LeastVoltage(_) => largest_by_halving(&value, bound),
+            functional if functional.touches(&self.actuator) => largest_by_halving(&value, bound),
             // The larger of two parabolas: both windings have to keep it.
             Functional::VoltageSquared => {
                 let [hot, cold] = self.actuator.windings().map(|winding| {

@@ -159,6 +159,14 @@ impl Shortfall {
         }
     }
 
+    /// `K_T i` \[N·m\] of the current of a torque ≥ 0 without ripple, and its derivative: a convex function, the torque itself unless the
+    /// iron saturates.
+    pub fn without_saturation(&self, torque: f64) -> (f64, f64) {
+        let Some(saturation) = self.saturation else { return (torque, 1.0) };
+        let (current, slope) = self.saturated(saturation, torque);
+        (self.torque_constant * current, self.torque_constant * slope)
+    }
+
     /// What is added to the mean of `T²` \[N²·m²\].
     pub fn mean_square(&self) -> f64 {
         self.ripple_mean_square

@@ -297,6 +297,42 @@ impl Actuator {
         torque.squared() * copper + speed * torque * (self.back_emf_constant / self.torque_constant)
     }
 
+    /// [`Self::voltage_squared`] with the true current in the ohmic drop where the iron saturates: a polynomial that touches it at a ratio
+    /// and is nowhere above it. Flux saturates with the torque: voltages of inductance are those of `T/K_T`. A drop that is opposed to the
+    /// other voltages counts as without saturation, from above.
+    pub fn voltage_squared_near(&self, flow: Flow, features: &[f64; FEATURES], ratio: f64) -> Laurent {
+        let plain = self.voltage_squared(flow, features);
+        let (torque, quadrature) =
+            (self.torque_form(flow).polynomial(features), self.voltage_form(flow).polynomial(features));
+        let (here, voltage) = (torque.at(ratio), quadrature.at(ratio));
+        if !self.shortfall.saturates() || here * voltage <= 0.0 {
+            return plain;
+        }
+        let (without, slope) = self.shortfall.without_saturation(here.abs());
+        let (along, sign) = (self.resistance_per_torque(), here.signum());
+        // (x + e)² ≥ 2 f (x + e) − f², and e(|T|) is above its tangent.
+        let f = voltage.abs() + along * (without - here.abs());
+        let more = torque * (sign * along * (slope - 1.0)) + Laurent::constant(along * (without - slope * here.abs()));
+        let direct = plain + quadrature.squared() * -1.0;
+        (quadrature * sign + more) * (2.0 * f) + Laurent::constant(-f * f) + direct
+    }
+
+    /// [`Self::power`] with the true current in the loss where the iron saturates: a polynomial that touches it at a ratio and is nowhere
+    /// above it.
+    pub fn power_near(&self, copper: f64, flow: Flow, features: &[f64; FEATURES], ratio: f64) -> Laurent {
+        let plain = self.power(copper, flow, features);
+        if !self.shortfall.saturates() {
+            return plain;
+        }
+        let torque = self.torque_form(flow).polynomial(features);
+        let here = torque.at(ratio).abs();
+        let (without, slope) = self.shortfall.without_saturation(here);
+        // d(K_T i)²/d(T²), which is 1 where both vanish.
+        let per_square = if here > 0.0 { without * slope / here } else { 1.0 };
+        let constant = without * without - per_square * here * here;
+        plain + torque.squared() * (copper * (per_square - 1.0)) + Laurent::constant(copper * constant)
+    }
+
     /// `T` of a sample as coefficients of N⁻¹, 1 and N \[N·m\].
     #[inline]
     pub fn torque_terms(&self, flow: Flow, features: &[f64; FEATURES]) -> [f64; 3] {

@@ -164,7 +164,8 @@ impl Supply {
         ratio: f64,
     ) -> (Laurent, Laurent) {
         let of = |winding: Actuator| {
-            (winding.voltage_squared(flow, features), winding.power(winding.loss_taken(), flow, features))
+            let power = winding.power_near(winding.loss_taken(), flow, features, ratio);
+            (winding.voltage_squared_near(flow, features, ratio), power)
         };
         let [hot, cold] = actuator.windings().map(of);
         let needed = |(voltage, power): &(Laurent, Laurent)| self.needed(voltage.at(ratio), power.at(ratio));

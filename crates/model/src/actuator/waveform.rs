@@ -8,6 +8,7 @@
 
 use std::sync::Arc;
 
+use super::fitted::Shortfall;
 use super::shaft::{Actuator, FEATURES, Feature, Flow, USUAL_FEATURES};
 use super::supply::Supply;
 use super::weakening::{self, Parabola};
@@ -32,7 +33,7 @@ pub enum Functional {
     LeastVoltage(f64),
     /// Terminal power taken \[W\], of the hottest winding.
     Power,
-    /// Terminal power returned \[W\], of the coldest winding.
+    /// Terminal power returned \[W\], of the coldest winding: where the iron saturates from above, with the loss of `T/K_T`.
     PowerBack,
     /// Open-circuit voltage that a supply needs \[V\].
     OpenVoltage(Supply),
@@ -55,6 +56,15 @@ impl Functional {
         }
     }
 
+    /// True if the polynomial of a sample is the functional at one ratio alone, and nowhere above it.
+    pub fn touches(self, actuator: &Actuator) -> bool {
+        match self {
+            Functional::OpenVoltage(_) => true,
+            Functional::VoltageSquared | Functional::Power => actuator.shortfall.saturates(),
+            _ => false,
+        }
+    }
+
     /// Actuators, each with one winding, of whose values it is the larger: hottest and coldest winding, or the actuator itself.
     pub fn windings(self, actuator: &Actuator) -> Vec<Actuator> {
         match self {
@@ -66,7 +76,7 @@ impl Functional {
     }
 
     /// The polynomial of one sample. That of the open-circuit voltage touches it at a ratio; it is at most the supply's own
-    /// wherever the sample keeps to that.
+    /// wherever the sample keeps to that. Of a motor whose iron saturates [`Self::touches`] says which do that too.
     pub fn polynomial(self, actuator: &Actuator, point: &WavePoint, ratio: f64) -> Laurent {
         let WavePoint { flow, features, direct, .. } = point;
         let squared = |per_square: f64| Laurent::constant(per_square * direct * direct);
@@ -74,12 +84,15 @@ impl Functional {
             Functional::OpenVoltage(supply) => supply.polynomial(actuator, *flow, features, ratio),
             Functional::TorqueSquared => actuator.torque_squared(*flow, features),
             Functional::CurrentSquared => actuator.torque_squared(*flow, features) + squared(1.0),
-            Functional::VoltageSquared => larger(ratio, actuator, |winding| weakened(winding, point, *direct)),
+            Functional::VoltageSquared => larger(ratio, actuator, |winding| match *direct {
+                0.0 => winding.voltage_squared_near(*flow, features, ratio),
+                direct => weakened(winding, point, direct),
+            }),
             Functional::LeastVoltage(most) => larger(ratio, actuator, |winding| {
                 weakened(winding, point, weakening::parabola(winding, (*flow, features), ratio).lowest(most))
             }),
             Functional::Power => {
-                actuator.power(actuator.loss_taken(), *flow, features) + squared(actuator.loss_taken())
+                actuator.power_near(actuator.loss_taken(), *flow, features, ratio) + squared(actuator.loss_taken())
             }
             Functional::PowerBack => {
                 (actuator.power(actuator.loss_returned(), *flow, features) + squared(actuator.loss_returned())) * -1.0
@@ -220,6 +233,8 @@ struct Weights {
     emf: f64,
     /// Resistance over torque constant of both windings, for the voltage of currents along d.
     along: [f64; 2],
+    /// The current that a torque takes where the iron saturates.
+    iron: Option<Shortfall>,
 }
 
 /// The hottest winding and the coldest, as places in [`Weights`].
@@ -597,7 +612,24 @@ impl Weights {
             copper: [actuator.loss_taken(), actuator.loss_returned()],
             emf: actuator.back_emf_constant / actuator.torque_constant * ratio,
             along: [actuator.resistance_per_torque(), actuator.cold_resistance_per_torque()],
+            iron: Some(actuator.shortfall).filter(Shortfall::saturates),
         }
+    }
+
+    /// `K_T i` at a torque ≥ 0 \[N·m\].
+    #[inline(always)]
+    fn without_saturation(&self, torque: f64) -> f64 {
+        self.iron.as_ref().map_or(torque, |iron| iron.without_saturation(torque).0)
+    }
+
+    /// What saturation adds to a quadrature voltage \[V\] where the drop has its sign.
+    #[inline(always)]
+    fn with_saturation(&self, winding: usize, quadrature: f64, torque: f64) -> f64 {
+        if self.iron.is_none() || quadrature * torque <= 0.0 {
+            return quadrature;
+        }
+        let more = self.along[winding] * (self.without_saturation(torque.abs()) - torque.abs());
+        quadrature + more.copysign(torque)
     }
 }
 
@@ -654,8 +686,12 @@ const VELOCITY: usize = Feature::Velocity as usize;
 #[inline(always)]
 fn value_voltage<const D: usize>(weights: &Weights, winding: usize, features: &[f64; FEATURES], direct: f64) -> f64 {
     let across = weights.direct * features[VELOCITY];
-    let quadrature = dot::<D>(&weights.voltage[winding], features) + across * direct;
-    let own = weights.along[winding] * direct - across * dot::<D>(&weights.torque, features);
+    let torque = dot::<D>(&weights.torque, features);
+    let mut quadrature = dot::<D>(&weights.voltage[winding], features) + across * direct;
+    if direct == 0.0 {
+        quadrature = weights.with_saturation(winding, quadrature, torque);
+    }
+    let own = weights.along[winding] * direct - across * torque;
     quadrature * quadrature + own * own
 }
 
@@ -679,21 +715,25 @@ fn value_least_voltage<const D: usize>(
 
 #[inline(always)]
 fn bound_voltage<const D: usize>(weights: &Weights, winding: usize, node: &Node) -> f64 {
-    let quadrature = largest_magnitude::<D>(&weights.voltage[winding], node);
+    let torque = largest_magnitude::<D>(&weights.torque, node);
+    let more = weights.along[winding] * (weights.without_saturation(torque) - torque);
+    let quadrature = largest_magnitude::<D>(&weights.voltage[winding], node) + more.max(0.0);
     let speed = node.center[VELOCITY].abs() + node.radius[VELOCITY];
-    let direct = weights.direct * speed * largest_magnitude::<D>(&weights.torque, node);
+    let direct = weights.direct * speed * torque;
     (quadrature * quadrature + direct * direct) * (1.0 + 1e-14)
 }
 
 #[inline(always)]
 fn value_power<const D: usize>(weights: &Weights, winding: usize, features: &[f64; FEATURES], direct: f64) -> f64 {
     let torque = dot::<D>(&weights.torque, features);
-    weights.copper[winding] * (torque * torque + direct * direct) + weights.emf * features[VELOCITY] * torque
+    let without = weights.without_saturation(torque.abs());
+    weights.copper[winding] * (without * without + direct * direct) + weights.emf * features[VELOCITY] * torque
 }
 
 #[inline(always)]
 fn value_power_back<const D: usize>(weights: &Weights, features: &[f64; FEATURES], direct: f64) -> f64 {
-    -value_power::<D>(weights, COLD, features, direct)
+    let torque = dot::<D>(&weights.torque, features);
+    -(weights.copper[COLD] * (torque * torque + direct * direct) + weights.emf * features[VELOCITY] * torque)
 }
 
 /// Largest and smallest product of speed and torque over a box.
@@ -712,7 +752,8 @@ fn mechanical<const D: usize>(weights: &Weights, node: &Node) -> (f64, f64, f64)
 #[inline(always)]
 fn bound_power<const D: usize>(weights: &Weights, winding: usize, node: &Node) -> f64 {
     let (_, high, torque) = mechanical::<D>(weights, node);
-    weights.copper[winding] * torque * torque + weights.emf * high
+    let without = weights.without_saturation(torque);
+    weights.copper[winding] * without * without + weights.emf * high
 }
 
 #[inline(always)]
@@ -778,9 +819,15 @@ mod tests {
             let points = points(count);
             let wave = Waveform::new(&points);
             assert_eq!(wave.len(), count);
-            for id in ["t-motor-ri50", "faulhaber-3274g024bp4", "maxon-ec-90-flat-323772"] {
+            for id in [
+                "t-motor-ri50",
+                "faulhaber-3274g024bp4",
+                "maxon-ec-90-flat-323772",
+                "tq-robodrive-ilm-e70x18-star-parallel",
+            ] {
                 let motor = catalog.motor(id).unwrap();
                 let actuator = Actuator::new(motor, motor.rotor_inertia.unwrap(), &gear);
+                assert_eq!(actuator.shortfall.saturates(), id.starts_with("tq-"));
                 for (functional, ratio) in with_ratios(&actuator, &points) {
                     let found = wave.largest(functional, &actuator, ratio);
                     // Independent of the search: the polynomial of every point.
@@ -793,6 +840,21 @@ mod tests {
                         found.value
                     );
                     assert!((at(&wave.point(found.index)) - all).abs() <= 1e-9 * size);
+                    // At other ratios the polynomial is the functional, or below it.
+                    let point = wave.point(found.index);
+                    for other in [0.3, 0.8, 1.5, 4.0].map(|times| times * ratio) {
+                        let (row, own) = (
+                            functional.polynomial(&actuator, &point, ratio),
+                            functional.polynomial(&actuator, &point, other),
+                        );
+                        let more = row.at(other) - own.at(other);
+                        let is_row = functional.touches(&actuator) || more >= -1e-9 * own.size(other);
+                        let kept = !matches!(functional, Functional::OpenVoltage(_));
+                        assert!(
+                            !kept || is_row && more <= 1e-9 * (own.size(other) + row.size(other)),
+                            "{id} {functional:?} {ratio} {other}: {more}"
+                        );
+                    }
                 }
             }
         }

@@ -102,7 +102,7 @@ impl Enters {
                     .into()
             }
             Enters::Saturation { .. } => {
-                "enters current and heat at every instant (voltage and power take the straight line)".into()
+                "enters current, heat, voltage and power at every instant (regenerated power takes the straight line, which is more)".into()
             }
             Enters::Voltage(_) => "lowers the available voltage".into(),
             Enters::Efficiency { .. } => "enters as the gear's efficiency".into(),

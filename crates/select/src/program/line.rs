@@ -183,11 +183,10 @@ fn keeps_between(Limited { candidate, asked }: &Limited, a: f64, b: f64) -> bool
             }
             let Some(waveform) = waveform else { return true };
             let points = (0..waveform.len()).map(|k| waveform.point(k));
-            // Of a supply that sags each row is exact at its own ratio only.
             let windings = functional.windings(actuator);
             let of_point = |point| windings.iter().map(move |winding| functional.polynomial(winding, &point, a));
             let mut rows = points.flat_map(of_point);
-            !matches!(functional, Functional::OpenVoltage(_)) && rows.all(|row| is_below(&row, bound, a, b))
+            !functional.touches(actuator) && rows.all(|row| is_below(&row, bound, a, b))
         }
         Demand::WindingPeak(node) => {
             let mut open = vec![(a, b)];

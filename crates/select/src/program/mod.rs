@@ -27,6 +27,7 @@ mod window;
 
 use gearwise_model::actuator::Laurent;
 use gearwise_model::actuator::limits::{Asked, Candidate, Class, Demand};
+use gearwise_model::actuator::waveform::Functional;
 use gearwise_model::numerics::line_search::least_in_few_looks;
 use gearwise_model::numerics::work;
 use gearwise_model::requirement::{Objective, Quantity};
@@ -278,6 +279,16 @@ impl<'a> RatioProgram<'a> {
         }
         if self.limits.iter().any(|l| l.asked.limit.class == Class::ReverseConvex) {
             return Some("a regeneration limit is reverse-convex");
+        }
+        let is_bent = |l: &Limited| match l.asked.demand {
+            Demand::Samples(Functional::VoltageSquared | Functional::OpenVoltage(_))
+            | Demand::Bandwidth(Functional::VoltageSquared | Functional::OpenVoltage(_)) => {
+                l.candidate.end(l.asked.end).shortfall.saturates()
+            }
+            _ => false,
+        };
+        if self.limits.iter().any(is_bent) {
+            return Some("iron that saturates makes the voltage non-convex in N²");
         }
         if let Some(why) = objective::why_not_convex(self.objective) {
             return Some(why);

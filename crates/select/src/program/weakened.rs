@@ -96,7 +96,7 @@ impl At {
                 for winding in &windings {
                     offer(match most > 0.0 {
                         true => voltage_row(winding, (point.flow, &point.features), most, self.ratio, self.interval),
-                        false => winding.voltage_squared(point.flow, &point.features),
+                        false => winding.voltage_squared_near(point.flow, &point.features, self.ratio),
                     });
                 }
             }
@@ -135,7 +135,7 @@ impl At {
             Demand::Samples(Functional::Power) => {
                 let index = load.waveform.largest(Functional::Power, actuator, ratio).index;
                 let point = load.waveform.point(index);
-                let own = actuator.power(actuator.loss_taken(), point.flow, &point.features);
+                let own = actuator.power_near(actuator.loss_taken(), point.flow, &point.features, ratio);
                 let more = squares.iter().find(|(k, _)| *k == index);
                 Some(more.map_or(own, |(_, square)| own + *square * actuator.loss_taken()))
             }

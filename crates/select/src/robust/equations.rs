@@ -597,6 +597,9 @@ impl<'e> Equations<'e> {
         let saturates = candidate.actuator.shortfall.saturates();
         match asked.demand {
             Demand::Samples(functional) | Demand::Bandwidth(functional) => {
+                if (saturates || self.bends()) && matches!(functional, Functional::VoltageSquared | Functional::Power) {
+                    return None;
+                }
                 let windings = windings(asked);
                 let point = self.waveform(asked)?.point(sample / windings);
                 let demand = machine.functional(functional, &point, sample % windings, ratio)?;

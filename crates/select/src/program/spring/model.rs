@@ -298,7 +298,9 @@ pub(super) fn power_at((actuator, copper): (&Actuator, f64), sample: &Sample, to
 
 /// `v_q² + v_d²` \[V²\] and power taken \[W\] at a point.
 pub(super) fn terminals_at(actuator: &Actuator, sample: &Sample, torque: f64, z: Point) -> (f64, f64) {
-    let power = power_at((actuator, actuator.loss_taken()), sample, torque, z);
+    let without = actuator.shortfall.without_saturation(torque.abs()).0;
+    let saturated = actuator.loss_taken() * (without * without - torque * torque);
+    let power = power_at((actuator, actuator.loss_taken()), sample, torque, z) + saturated;
     (voltage_squared_at(actuator, sample, torque, z), power)
 }
 
@@ -310,7 +312,10 @@ pub(super) fn voltage_squared_at(actuator: &Actuator, sample: &Sample, torque: f
     let a = q[Feature::Acceleration] * sample.acceleration
         + q[Feature::Jerk] * sample.jerk
         + q[Feature::Velocity] * sample.velocity;
-    let quadrature = b / n + n * a + q[Feature::Sign] * sample.sign;
+    let plain = b / n + n * a + q[Feature::Sign] * sample.sign;
+    let drop =
+        actuator.resistance_per_torque() * (actuator.shortfall.without_saturation(torque.abs()).0 - torque.abs());
+    let quadrature = if plain * torque > 0.0 { plain + drop.copysign(torque) } else { plain };
     let direct = actuator.cross_coupling * sample.velocity * n * torque;
     quadrature * quadrature + direct * direct
 }
