@@ -51,7 +51,10 @@ impl Asked {
 
     /// The demand in its natural unit for a value of the functional.
     pub fn natural(&self, raw: f64) -> f64 {
-        self.factor * if self.squared { raw.max(0.0).sqrt() } else { raw }
+        match self.squared {
+            true => self.factor * raw.max(0.0).sqrt(),
+            false => raw * if raw > 0.0 { self.above_zero } else { self.factor },
+        }
     }
 
     /// The load whose sums over time it is of.

@@ -94,6 +94,8 @@ pub struct Asked {
     pub squared: bool,
     /// Natural unit per functional (or per its root).
     pub factor: f64,
+    /// That of a functional above zero: another for power drawn where the bound is one on power that comes back.
+    pub above_zero: f64,
     /// What may be had, natural unit.
     pub bound: f64,
     /// Whose limit it is.

@@ -28,6 +28,8 @@ pub use needs::{ELECTRICAL, NEEDS, Need};
 pub use remarks::LOW_SAFETY;
 
 use crate::actuator::shaft::End;
+use crate::actuator::supply::Drawn;
+use crate::actuator::waveform::Functional;
 use crate::requirement::{Joint, Robot};
 use limit::Prepared;
 
@@ -82,7 +84,16 @@ impl Limit {
             Prepared::Asked { demand, squared, factor, bound, owner, standing } => {
                 let bound = bound * kept;
                 let (end, actuator) = (End::First, None);
-                Check::Asked(Asked { limit: self, demand, squared, factor, bound, owner, standing, end, actuator })
+                let drawn = Drawn::new(&candidate.robot.bus);
+                let above_zero = match demand {
+                    Demand::Samples(Functional::Power) if bound < 0.0 => {
+                        factor * drawn.per_power(1.0) / drawn.arrives()
+                    }
+                    _ => factor,
+                };
+                let of =
+                    Asked { limit: self, demand, squared, factor, above_zero, bound, owner, standing, end, actuator };
+                Check::Asked(of)
             }
             Prepared::AtRatio(judge) => Check::AtRatio(judge),
         }

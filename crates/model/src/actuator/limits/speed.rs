@@ -57,10 +57,15 @@ pub(super) const LIMITS: &[Limit] = &[
                 let (speed, sample) = c.load.peak_speed;
                 plain(Demand::Polynomial(Laurent::monomial(speed, 1), Some(sample)), 1.0, bound, "motor")
             }
-            None if exceeds_no_load_speed(c) => Prepared::Unknown(
-                "the motor's maximum speed is not known, and it may turn faster than its printed no-load speed",
-            ),
-            None => Prepared::NotAsked,
+            None => match c.motor.sheet.no_load_speed {
+                Some(_) if exceeds_no_load_speed(c) => Prepared::Unknown(
+                    "the motor's maximum speed is not known, and it may turn faster than its printed no-load speed",
+                ),
+                None if c.motor.sheet.voltage.is_none_or(|volt| c.robot.bus.voltage > volt.value) => {
+                    Prepared::Unknown("neither the motor's maximum speed nor its no-load speed is known")
+                }
+                _ => Prepared::NotAsked,
+            },
         },
     },
 ];
@@ -69,9 +74,9 @@ pub(super) const LIMITS: &[Limit] = &[
 /// bus voltage drives it. Up to that speed its maker runs it.
 fn exceeds_no_load_speed(candidate: &Candidate) -> bool {
     let sheet = &candidate.motor.sheet;
-    let Some((known, volt)) = sheet.no_load_speed.zip(sheet.voltage) else { return false };
+    let Some(known) = sheet.no_load_speed else { return false };
     let own = candidate.catalog_gear.map(|gear| gear.ratio);
     let most = own.or_else(|| candidate.joint.ratio.range().map(|(_, most)| most)).unwrap_or(f64::INFINITY);
     let asked = most * candidate.load.peak_speed.0;
-    asked > known.value && candidate.robot.bus.voltage > volt.value
+    asked > known.value && sheet.voltage.is_none_or(|volt| candidate.robot.bus.voltage > volt.value)
 }
