@@ -14,6 +14,8 @@ pub enum Holds {
     Exactly,
     /// The number is at least this: a part of it is not known.
     AtLeast,
+    /// The number is at most this: what the gear allows is not known.
+    AtMost,
 }
 
 /// A number that hardware has at a joint.
@@ -45,7 +47,7 @@ pub struct Hardware {
     pub gear: Option<f64>,
     /// Largest torque \[N·m\].
     pub peak: Option<Fact>,
-    /// The torque above which it certainly gives nothing, where `peak` is not known: what its gear may carry \[N·m\].
+    /// The torque above which it certainly gives nothing, where `peak` is not known: what its gear carries, or carries for a moment \[N·m\].
     pub peak_most: Option<Fact>,
     /// The same before the gear's loss, N K_T I, where a loss is known: what a simulator whose joints have none is told \[N·m\].
     pub before_loss: Option<Fact>,
@@ -72,7 +74,8 @@ pub struct Hardware {
 impl Hardware {
     /// The torque above which it certainly gives nothing; `None` where no row says one.
     pub fn strongest(&self) -> Option<&Fact> {
-        self.peak.as_ref().or(self.peak_most.as_ref())
+        let all = self.peak.iter().chain(&self.peak_most);
+        all.min_by(|a, b| a.value.total_cmp(&b.value))
     }
 
     /// The speed above which it certainly gives nothing; `None` where no row says one.
@@ -310,21 +313,28 @@ fn of_motor(mount: &Mount, r: f64, motor: &Motor, gear: Option<&Gear>, ratio: f6
         fact(r * ratio * torque, how, Holds::Exactly)
     });
     let mut peak = peak.map(|(torque, of)| at_joint(torque, of));
-    let of_gear = gear.and_then(|gear| Some((gear, gear.peak_torque.or(gear.ratings.momentary_peak_torque)?)));
-    let by_gear = of_gear.map(|(gear, torque)| {
-        let how = format!("{}peak torque of the gear {}, {} N*m{}", times(r, ""), gear.id, number(torque), with_r(r));
+    // A momentary peak is more than the repeated one.
+    let momentary = gear.and_then(|gear| gear.ratings.momentary_peak_torque).map(|torque| ("momentary peak", torque));
+    let of_gear = gear.and_then(|gear| Some((gear, gear.peak_torque.map(|torque| ("peak", torque)).or(momentary)?)));
+    let by_gear = of_gear.map(|(gear, (name, torque))| {
+        let how = format!("{}{name} torque of the gear {}, {} N*m{}", times(r, ""), gear.id, number(torque), with_r(r));
         fact(r * torque, how, Holds::Exactly)
     });
-    let peak_most = by_gear.clone().filter(|_| peak.is_none());
-    if let (Some(own), Some(by_gear)) = (&peak, by_gear)
-        && by_gear.value < own.value
-    {
-        peak = Some(by_gear);
+    let mut peak_most = None;
+    if let Some(by_gear) = by_gear {
+        if before_loss.as_ref().is_some_and(|before| by_gear.value < before.value) {
+            before_loss = None;
+        }
+        match &peak {
+            Some(own) if own.value <= by_gear.value => {}
+            Some(_) if gear.is_some_and(|gear| gear.peak_torque.is_some()) => peak = Some(by_gear),
+            _ => (peak, peak_most) = (None, Some(by_gear)),
+        }
     }
-    if let Some((_, torque)) = of_gear
-        && before_loss.as_ref().is_some_and(|before| r * torque < before.value)
+    if let Some(peak) = &mut peak
+        && gear.is_some_and(|gear| gear.peak_torque.is_none())
     {
-        before_loss = None;
+        peak.holds = Holds::AtMost;
     }
     let continuous = motor.continuous_torque.map(|torque| printed(torque, "continuous_torque"));
     let continuous = continuous.or_else(|| motor.continuous_current.map(|current| by_current(current, "I_cont")));
@@ -334,9 +344,11 @@ fn of_motor(mount: &Mount, r: f64, motor: &Motor, gear: Option<&Gear>, ratio: f6
         Commutation::Brushed => 1.0,
     };
     let divided = if r == 1.0 { "N" } else { "(r N)" };
-    let speed = |speed: f64, of: String| {
-        fact(speed / ratio / r, format!("{of} / {divided}{n_is}{}", with_r(r)), Holds::Exactly)
+    let holds = match gear {
+        Some(gear) if gear.max_input_speed.is_none() => Holds::AtMost,
+        _ => Holds::Exactly,
     };
+    let speed = |speed: f64, of: String| fact(speed / ratio / r, format!("{of} / {divided}{n_is}{}", with_r(r)), holds);
     let by_voltage = mount.voltage.map(|voltage| {
         let free = voltage / (root * motor.emf_constant());
         speed(free, format!("speed without load at {} V, {} rad/s of the motor", number(voltage), number(free)))

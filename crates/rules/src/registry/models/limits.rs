@@ -20,6 +20,8 @@ pub(in crate::registry) const EFFORT_ABOVE_PEAK: Rule = Rule {
     test: Test::ModelJoint(effort_above_peak),
 };
 
+const NO_GEAR_PEAK: &str = "its gear's peak torque is not known: the effort is not above what the motor gives";
+
 fn effort_above_peak(facts: &ModelFacts, k: usize) -> Judgement {
     let (hardware, effort) = match asked(facts, k, Quantity::Effort) {
         Ok(asked) => asked,
@@ -30,8 +32,15 @@ fn effort_above_peak(facts: &ModelFacts, k: usize) -> Judgement {
         return Judgement::NotJudged("its gear is wrong, and the effort is a multiple of it");
     }
     let above = effort.value > peak.value * (1.0 + facts.file.tolerances.limits);
-    if !above || is_explained(facts, k) {
+    if is_explained(facts, k) {
         return Judgement::Judged(Vec::new());
+    }
+    if !above {
+        return if peak.holds == Holds::AtMost {
+            Judgement::NotJudged(NO_GEAR_PEAK)
+        } else {
+            Judgement::Judged(Vec::new())
+        };
     }
     let share = facts.file.tolerances.limits;
     if let Some(before) = hardware.before_loss.as_ref().filter(|b| within(effort.value, b.value, share)) {
@@ -90,6 +99,9 @@ fn effort_meaning(facts: &ModelFacts, k: usize) -> Judgement {
     if let Some(other) = other {
         return note(other);
     }
+    if peak.holds == Holds::AtMost {
+        return Judgement::NotJudged("its gear's peak torque is not known, and the effort may be that");
+    }
     let why =
         explained(effort.value / peak.value, &factors(hardware, 1)).map_or(String::new(), |why| format!("; {why}"));
     let names: Vec<&str> = std::iter::once("peak").chain(hardware.others.iter().map(|(name, _)| *name)).collect();
@@ -114,6 +126,9 @@ pub(in crate::registry) const VELOCITY_ABOVE_NO_LOAD: Rule = Rule {
 const AT_MORE_VOLTAGE: &str =
     "its row prints speeds at less voltage than it is driven with: what it does at more is not known";
 
+const NO_GEAR_SPEED: &str =
+    "its gear's largest input speed is not known: the velocity is not above what motor and voltage give";
+
 fn velocity_above_no_load(facts: &ModelFacts, k: usize) -> Judgement {
     let (hardware, velocity) = match asked(facts, k, Quantity::Velocity) {
         Ok(asked) => asked,
@@ -122,13 +137,20 @@ fn velocity_above_no_load(facts: &ModelFacts, k: usize) -> Judgement {
     let Some(free) = &hardware.largest_speed else {
         return Judgement::NotJudged("neither a row of its hardware nor a `voltage` gives a largest speed");
     };
-    if velocity.value <= free.value * (1.0 + facts.file.tolerances.limits) || is_explained(facts, k) {
+    if is_explained(facts, k) {
         return Judgement::Judged(Vec::new());
+    }
+    if velocity.value <= free.value * (1.0 + facts.file.tolerances.limits) {
+        return if free.holds == Holds::AtMost {
+            Judgement::NotJudged(NO_GEAR_SPEED)
+        } else {
+            Judgement::Judged(Vec::new())
+        };
     }
     let most = hardware.largest_speed_most.as_ref();
     let beyond = |most: &&crate::hardware::Fact| velocity.value > most.value * (1.0 + facts.file.tolerances.limits);
     let free = match (free.holds, most.filter(beyond)) {
-        (Holds::Exactly, _) => free,
+        (Holds::Exactly | Holds::AtMost, _) => free,
         (Holds::AtLeast, Some(most)) => most,
         (Holds::AtLeast, None) => return Judgement::NotJudged(AT_MORE_VOLTAGE),
     };

@@ -11,7 +11,11 @@ pub(super) const NO_TORQUE: &str = "no row of its hardware gives a peak torque";
 
 /// What hardware allows, with its row.
 pub(super) fn backing(fact: &Fact, what: &str, unit: &str) -> Backing {
-    let least = if fact.holds == Holds::AtLeast { "at least " } else { "" };
+    let least = match fact.holds {
+        Holds::AtLeast => "at least ",
+        Holds::AtMost => "at most ",
+        Holds::Exactly => "",
+    };
     Backing {
         allows: format!("{what} {least}{}", with_unit(fact.value, unit)),
         row: fact.row.clone(),
