@@ -619,7 +619,8 @@ fn continuous_torque(candidate: &Candidate, ratio: f64) -> Option<Bound> {
     let drive =
         drive.map(|(current, times)| Bound { value: torque_of_rms(candidate, current * times), owner: "drive" });
     let gear = candidate.gear.continuous_torque.map(|t| Bound { value: t / ratio, owner: "gear" });
-    let module = of_module(candidate, ratio, |inside| inside.module.sheet.rated_torque.map(|p| p.value));
+    let rated = |inside: &Inside| inside.module.sheet.rated_torque.map(|rated| rated.value * candidate.derating());
+    let module = of_module(candidate, ratio, rated);
     let held = least([module, heat, drive, gear]);
     // A continuous torque does not exceed the peak torque.
     held.and_then(|held| least([Some(held), peak_torque(candidate, ratio)]))
