@@ -253,11 +253,14 @@ fn find<'a>(
         (Some(whole), Some(path)) => ruled.whole(&result, whole, names, ground, path).map(Some),
         _ => design,
     };
-    let by_default = matches!(asked.rules, Rules::OfRequirement) && !ruled.keeps() && looked_at;
-    let costs = match asked.with_costs {
-        true if by_default => Ruled::other_designs(&result, names, ground, search)?,
-        true => ruled.costs(plain, catalog, &result, search)?,
-        false => Vec::new(),
+    let by_default = matches!(asked.rules, Rules::OfRequirement) && !ruled.keeps() && asked.joint.is_none();
+    let costs = match (asked.with_costs, &choice) {
+        (true, Some(whole)) if by_default => {
+            Ruled::other_combination(&result, whole, names, ground, (search, options))?
+        }
+        (true, _) if by_default => Ruled::other_designs(&result, names, ground, search)?,
+        (true, _) => ruled.costs(plain, catalog, &result, search)?,
+        (false, _) => Vec::new(),
     };
     Ok(Found { result, outlooks, choice, design, costs, costs_of_robot, took })
 }

@@ -118,6 +118,46 @@ impl Ruled {
         Ok(result.joints.iter().zip(designs).zip(&other.joints).filter_map(line).collect())
     }
 
+    /// Sentences for a whole robot whose best combination is another with `--write-design`: the combination that would be written, and the
+    /// rule that rejects the best one. Empty if the default rules accept it.
+    ///
+    /// # Errors
+    /// A search that was stopped.
+    pub fn other_combination(
+        result: &RobotResult,
+        whole: &Choice,
+        names: Names,
+        ground: (&Robot, &Catalog),
+        (options, of_robot): (Options, robot::Options),
+    ) -> Result<Vec<String>, Failure> {
+        let (ruled, path) = (Ruled::new(result.robot.clone(), None, true, false)?, Path::new("design.toml"));
+        let (Some(rules), Some(first)) = (&ruled.rules, whole.combinations.first()) else { return Ok(Vec::new()) };
+        let read = Arc::new(Source::new(names.requirement.display().to_string(), ""));
+        let names = Names { given: Some(names.given.unwrap_or(&read)), ..names };
+        let text = ruled.combined(result, whole, &first.joints, (names, ground.1), path);
+        let because = match ruled.broken(&text.toml, path, ground, rules, names) {
+            Ok(broken) => match broken.into_iter().next() {
+                None => return Ok(Vec::new()),
+                Some((Some(joint), why)) => format!("at {joint} this one violates rule {why}"),
+                Some((None, why)) => format!("this one violates rule {why}"),
+            },
+            Err(why) => why,
+        };
+        let options = Options { keep: Some(1), reasons: false, ..options };
+        let ruled_result = optimize_with(&ruled.robot, ground.1, options)?;
+        let other = robot::choose(&ruled.robot, ground.1, of_robot)?;
+        Ok(vec![match ruled.first_kept(&ruled_result, &other, names, ground, path) {
+            Ok((place, _)) => {
+                let pairs = result.robot.joints.iter().zip(&other.combinations[place].joints).zip(&first.joints);
+                let differs = |((_, other), first): &((&Joint, &Design), &Design)| named(other) != named(first);
+                let all: Vec<String> =
+                    pairs.filter(differs).map(|((of, d), _)| format!("{}: {}", of.name, named(d))).collect();
+                format!("`--write-design` would write another combination ({}); {because}.", all.join(", "))
+            }
+            Err(_) => format!("`--write-design` would write no combination: {because}."),
+        }])
+    }
+
     /// Whether there are rules to keep.
     pub fn keeps(&self) -> bool {
         self.rules.is_some()
@@ -267,35 +307,32 @@ impl Ruled {
         result: &RobotResult,
         whole: &Choice,
         names: Names,
-        (plain, catalog): (&Robot, &Catalog),
+        ground: (&Robot, &Catalog),
         path: &Path,
     ) -> Result<DesignText, String> {
+        self.first_kept(result, whole, names, ground, path).map(|(_, text)| text)
+    }
+
+    /// The place of that combination among all, and the text.
+    fn first_kept(
+        &self,
+        result: &RobotResult,
+        whole: &Choice,
+        names: Names,
+        (plain, catalog): (&Robot, &Catalog),
+        path: &Path,
+    ) -> Result<(usize, DesignText), String> {
         let without = without_choice(result, "no");
         // What it carries may be what a joint needs.
         if !without.is_empty() && whole.combinations.is_empty() {
             return Err(without.join("; "));
         }
         let mut last = "no combination of motors keeps the robot's budgets".to_string();
-        for combination in &whole.combinations {
-            let designs: Vec<&Design> = combination.joints.iter().collect();
-            // Where joints depend on each other one of them is not solved again by itself.
-            let made = designs
-                .iter()
-                .zip(&result.joints)
-                .map(|(design, joint)| {
-                    let alone = !result.robot.is_coupled();
-                    alone.then(|| made_again(result.robot, joint.joint, catalog, design)).flatten()
-                })
-                .collect();
-            let name = if whole.proof.certified() {
-                "Best combination"
-            } else {
-                "Best combination that was found, not proved"
-            };
-            let text = self.text(result, name, designs, made, names, path);
-            let Some(rules) = &self.rules else { return Ok(text) };
+        for (place, combination) in whole.combinations.iter().enumerate() {
+            let text = self.combined(result, whole, &combination.joints, (names, catalog), path);
+            let Some(rules) = &self.rules else { return Ok((place, text)) };
             match self.broken(&text.toml, path, (plain, catalog), rules, names)?.into_iter().next() {
-                None => return Ok(text),
+                None => return Ok((place, text)),
                 Some((joint, why)) => {
                     last = format!(
                         "no combination that was found keeps all rules; of the last one at {}: {why}",
@@ -305,6 +342,28 @@ impl Ruled {
             }
         }
         Err(last)
+    }
+
+    /// The text of the design file of a combination.
+    fn combined(
+        &self,
+        result: &RobotResult,
+        whole: &Choice,
+        joints: &[Design],
+        (names, catalog): (Names, &Catalog),
+        path: &Path,
+    ) -> DesignText {
+        // Where joints depend on each other one of them is not solved again by itself.
+        let alone = !result.robot.is_coupled();
+        let make = |(design, of): (&Design, &JointResult)| {
+            alone.then(|| made_again(result.robot, of.joint, catalog, design)).flatten()
+        };
+        let made = joints.iter().zip(&result.joints).map(make).collect();
+        let name = match whole.proof.certified() {
+            true => "Best combination",
+            false => "Best combination that was found, not proved",
+        };
+        self.text(result, name, joints.iter().collect(), made, names, path)
     }
 
     fn text(

@@ -46,7 +46,9 @@ pub(super) fn text(result: &RobotResult, outlooks: &[Outlook]) -> String {
             title = [String::new(), String::new()];
         }
         let note = match &of.joint.balancing {
-            Balancing::Made(_) => "Balanced: the least loss/L₀ + mass/M₀, between the lightest design and the least loss; it is what `--write-design` writes.".to_string(),
+            Balancing::Made(_) => {
+                "Balanced: the least loss/L₀ + mass/M₀, between the lightest design and the least loss.".to_string()
+            }
             Balancing::Cannot(why) => balance::cannot(why),
             Balancing::No | Balancing::Asked => continue,
         };
