@@ -1,7 +1,7 @@
 //! What the search asks of a robot: menus made once, or when a load is known; combinations solved.
 
 use std::collections::{BTreeMap, HashMap};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use rayon::prelude::*;
 
@@ -69,6 +69,8 @@ pub(super) struct Context<'a> {
     doubted: Vec<Vec<usize>>,
     exact: HashMap<(usize, usize, Vec<u64>), Option<Arc<Item<'a>>>>,
     loads: HashMap<(usize, Vec<u64>), Arc<Carrying<'a>>>,
+    /// Loads of the joints' own motions, made where they are asked for: slow motion is looked at once for each winding.
+    own_loads: Vec<OnceLock<Load>>,
     pub total: Total,
     pub schedule: Schedule,
     /// The budget of the power of all joints \[W\].
@@ -164,6 +166,7 @@ impl<'a> Context<'a> {
             schedule: Schedule::new(robot),
             exact: HashMap::new(),
             loads: HashMap::new(),
+            own_loads: vec![OnceLock::new(); n],
             unproved: Vec::new(),
             doubted,
             ways,
@@ -325,10 +328,20 @@ impl<'a> Context<'a> {
             let joint = carry::loaded(&self.robot.joints[j], &coordinates[j]);
             let gear = item.design.gear.and_then(|id| self.catalog.gear(id));
             let joint = sprung(&joint, item).unwrap_or(joint);
-            let load = load_through(&joint, gear);
+            let is_own = coordinates[j].is_empty() && joint.limits.spring.is_none() && joint.gear_map.is_none();
+            let covers = gear.is_some_and(|gear| covered_inertia(&joint, gear).is_some());
+            let load = match is_own && !covers && item.design.spring.is_none() {
+                true => self.own_load(j).clone(),
+                false => load_through(&joint, gear),
+            };
             Loaded { joint, load }
         };
         items.iter().enumerate().map(mount).collect()
+    }
+
+    fn own_load(&self, joint: usize) -> &Load {
+        let of = &self.robot.joints[joint];
+        self.own_loads[joint].get_or_init(|| Load::new(&of.motion, of.ripple()))
     }
 
     fn mount<'m>(&'m self, loaded: &'m Loaded, item: &Item<'a>) -> Mount<'m, 'm> {
@@ -574,10 +587,10 @@ impl<'a> Context<'a> {
 
     fn priced_costs(&self, joint: usize, ways: &[usize], weights: &[(usize, f64)], scale: f64) -> Vec<f64> {
         let of = &self.robot.joints[joint];
-        let load = Load::new(&of.motion, of.ripple());
+        let load = self.own_load(joint);
         let one = |way: &usize| {
             let item = self.ways[joint][*way].item.as_ref();
-            item.map_or(f64::NEG_INFINITY, |item| priced(self.robot, self.catalog, of, &load, item, scale, weights))
+            item.map_or(f64::NEG_INFINITY, |item| priced(self.robot, self.catalog, of, load, item, scale, weights))
         };
         self.work.count(ways.len() * PRICED);
         ways.par_iter().map(one).collect()
