@@ -5,6 +5,7 @@ use clap::Args;
 use super::{Call, CatalogPaths, Done, Failure, Html, Output, Set};
 use crate::ask::Answer;
 use crate::ask::identify::{Asked, Identified, OfActuator, identify, with_actuator};
+use crate::input::limits;
 use crate::measured::identify::plan::Wanted;
 use crate::measured::read;
 use crate::measured::robot::{RobotBench, Subject};
@@ -166,10 +167,15 @@ impl Arguments {
                 let (message, help) = said.unwrap_or_default();
                 Err(Failure::Argument(format!("`{option} {text}`: {message}; {help}")))
             };
-        Ok(Wanted {
-            time: read("--plan-time", &self.plan_time, &[&units::TIME])?,
-            travel: read("--plan-travel", &self.plan_travel, &[&units::ANGLE, &units::LENGTH])?,
-        })
+        let time = read("--plan-time", &self.plan_time, &[&units::TIME])?;
+        if time.is_some_and(|time| time > limits::PLAN_TIME) {
+            let text = self.plan_time.as_deref().unwrap_or_default();
+            return Err(Failure::Argument(format!(
+                "`--plan-time {text}`: a planned run lasts at most {} s",
+                limits::PLAN_TIME
+            )));
+        }
+        Ok(Wanted { time, travel: read("--plan-travel", &self.plan_travel, &[&units::ANGLE, &units::LENGTH])? })
     }
 }
 

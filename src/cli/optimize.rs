@@ -11,7 +11,7 @@ use crate::ask::optimize::{Asked, Names, Optimized, Ready, Rules, TOP, optimize}
 use crate::ask::robust::{robust, with_tolerances};
 use crate::ask::{Answer, Watch, pareto};
 use crate::design::robust::Taken;
-use crate::input::Source;
+use crate::input::{Source, limits};
 use crate::output::write_whole;
 use crate::report;
 use crate::report::optimize::Shown;
@@ -61,7 +61,7 @@ pub struct Arguments {
     #[arg(long, value_name = "HOW", requires = "robust", value_parser = PossibleValuesParser::new(["worst"]))]
     alternatives: Option<String>,
     /// How many ratios along each motor's front, with --pareto; how many values of the grid, with --search
-    #[arg(long, default_value_t = 33, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    #[arg(long, default_value_t = 33, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=limits::FRONT_POINTS))]
     points: u32,
     /// Draw the objective of the first designs over the ratio and the first choice's torque over speed, or the fronts: an .svg or .png file
     #[arg(long, value_name = "FILE")]

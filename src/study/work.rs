@@ -44,7 +44,8 @@ pub fn walk(
             descend(base, &root, &parts, 0, &mut counted)?;
             if count == 0 {
                 return Err(StudyError::Argument(format!(
-                    "no file matches `{path}`{}",
+                    "no file matches `{}`{}",
+                    crate::words::shorten(path),
                     why_nothing(base, &root, &parts)
                 )));
             }

@@ -65,7 +65,10 @@ pub(super) fn check(joint: &Joint, patterns: &[String], catalog: &Catalog) -> Re
             Some(near) => format!("did you mean `{near}`?"),
             None => "`gearwise catalog list families` lists them".to_string(),
         };
-        return wrong(format!("no gear family of the catalogue matches `{pattern}`; {help}"));
+        return wrong(format!(
+            "no gear family of the catalogue matches `{}`; {help}",
+            gearwise_model::words::shorten(pattern)
+        ));
     }
     let named: Vec<&Family> = catalog.families_of(patterns).collect();
     let Some((first, others)) = named.split_first() else { return wrong("`family` names none".into()) };

@@ -49,6 +49,7 @@ pub use sweep::sweep;
 
 use gearwise_model::catalog::{Catalog, matches_pattern};
 use gearwise_model::requirement::{Filter, GearsFrom, RatioChoice, Robot};
+use gearwise_model::words::shorten;
 
 /// Every pattern of a robot must name a motor or a gear of the catalogue.
 ///
@@ -63,7 +64,11 @@ pub fn check_patterns(robot: &Robot, catalog: &Catalog) -> Result<(), String> {
                     [] => "`gearwise rank` lists the motors".to_string(),
                     near => format!("there are {}", near.join(", ")),
                 };
-                return Err(format!("joint `{}`: no motor of the catalogue matches `{pattern}`; {help}", joint.name));
+                return Err(format!(
+                    "joint `{}`: no motor of the catalogue matches `{}`; {help}",
+                    joint.name,
+                    shorten(pattern)
+                ));
             }
         }
         for pattern in &joint.motors.modules {
@@ -76,7 +81,11 @@ pub fn check_patterns(robot: &Robot, catalog: &Catalog) -> Result<(), String> {
                     Some(near) => format!("did you mean `{near}`?"),
                     None => "`gearwise catalog list modules` lists them".to_string(),
                 };
-                return Err(format!("joint `{}`: no module of the catalogue matches `{pattern}`; {help}", joint.name));
+                return Err(format!(
+                    "joint `{}`: no module of the catalogue matches `{}`; {help}",
+                    joint.name,
+                    shorten(pattern)
+                ));
             }
         }
         let RatioChoice::Catalog { patterns, from, .. } = &joint.ratio else { continue };
@@ -95,8 +104,11 @@ pub fn check_patterns(robot: &Robot, catalog: &Catalog) -> Result<(), String> {
                 Some(near) => format!("did you mean `{near}`?"),
                 None => format!("ids begin with the kind, as in {}", kinds.join(", ")),
             };
-            let message = format!("joint `{}`: no gear of the catalogue matches `{pattern}`; {help}", joint.name);
-            return Err(message);
+            return Err(format!(
+                "joint `{}`: no gear of the catalogue matches `{}`; {help}",
+                joint.name,
+                shorten(pattern)
+            ));
         }
     }
     Ok(())

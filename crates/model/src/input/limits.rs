@@ -57,6 +57,10 @@ pub const SWEPT_DESIGNS: usize = 1_000_000;
 pub const PROBLEMS: usize = 10_000;
 /// Characters of each part of a report of a mistake: message, label, help.
 pub const REPORT_CHARACTERS: usize = 3000;
+/// Duration of a planned run \[s\].
+pub const PLAN_TIME: f64 = 3600.0;
+/// Ratios along a front of each motor.
+pub const FRONT_POINTS: i64 = 5000;
 /// Points of the grid of a study.
 pub const GRID_POINTS: u64 = 1_000_000_000;
 /// Robots of a study: requirements times points of the grid.
