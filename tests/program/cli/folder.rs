@@ -26,9 +26,9 @@ safety = 1.2
 
 pub use super::mistakes::MOTION;
 
-pub const MOTORS: &str = "id,terminals,current,resistance [ohm],inductance [mH],torque_constant [N*m/A],rotor_inertia [g*cm^2],mass [g],pole_pairs,continuous_torque [N*m],peak_current [A],max_winding_temperature [degC],source,source_kind
-alpha-1,line_to_line,dc,0.5,0.2,0.05,300,200,7,9,60,120,a sheet,datasheet
-alpha-2,line_to_line,dc,0.7,0.3,0.06,320,210,7,9,60,120,a sheet,datasheet
+pub const MOTORS: &str = "id,terminals,current,resistance [ohm],inductance [mH],torque_constant [N*m/A],rotor_inertia [g*cm^2],mass [g],pole_pairs,continuous_torque [N*m],peak_current [A],max_winding_temperature [degC],max_speed [rpm],source,source_kind
+alpha-1,line_to_line,dc,0.5,0.2,0.05,300,200,7,9,60,120,30000,a sheet,datasheet
+alpha-2,line_to_line,dc,0.7,0.3,0.06,320,210,7,9,60,120,30000,a sheet,datasheet
 ";
 
 pub const DESIGN: &str = "requirement = \"robot.toml\"

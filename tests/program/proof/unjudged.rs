@@ -26,6 +26,7 @@ const COLUMNS: &[(&str, &str)] = &[
     ("pole_pairs", "7"),
     ("continuous_current [A]", "12"),
     ("peak_current [A]", "40"),
+    ("max_speed [rpm]", "20000"),
     ("max_winding_temperature [degC]", "120"),
     ("thermal_resistance_winding_housing [K/W]", "0.5"),
     ("thermal_resistance_housing_ambient [K/W]", "1.5"),

@@ -61,7 +61,7 @@ pub(super) const LIMITS: &[Limit] = &[
                 Some(_) if exceeds_no_load_speed(c) => Prepared::Unknown(
                     "the motor's maximum speed is not known, and it may turn faster than its printed no-load speed",
                 ),
-                None if c.motor.sheet.voltage.is_none_or(|volt| c.robot.bus.voltage > volt.value) => {
+                None if exceeds_rated_voltage(c) => {
                     Prepared::Unknown("neither the motor's maximum speed nor its no-load speed is known")
                 }
                 _ => Prepared::NotAsked,
@@ -78,5 +78,11 @@ fn exceeds_no_load_speed(candidate: &Candidate) -> bool {
     let own = candidate.catalog_gear.map(|gear| gear.ratio);
     let most = own.or_else(|| candidate.joint.ratio.range().map(|(_, most)| most)).unwrap_or(f64::INFINITY);
     let asked = most * candidate.load.peak_speed.0;
-    asked > known.value && sheet.voltage.is_none_or(|volt| candidate.robot.bus.voltage > volt.value)
+    asked > known.value && exceeds_rated_voltage(candidate)
+}
+
+/// True if the bus has more than the voltage that the motor's row prints, or the row prints none.
+fn exceeds_rated_voltage(candidate: &Candidate) -> bool {
+    let rated = candidate.motor.sheet.voltage;
+    rated.is_none_or(|rated| candidate.robot.bus.voltage > rated.value * (1.0 + 1e-9))
 }
