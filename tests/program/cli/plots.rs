@@ -200,7 +200,9 @@ fn the_voltage_boundary_meets_the_circle() {
                         let shaft = factor * torque / n
                             + friction * motor.coulomb_friction.unwrap_or(0.0)
                             + motor.viscous_friction.unwrap_or(0.0) * n * speed;
+                        // Of saturated iron the drop has the whole current, i_s artanh(T/(K_T i_s)), where it adds to the back-EMF.
                         let current = shaft / motor.torque_constant;
+                        let with_iron = motor.saturation_current().map_or(current, |i_s| i_s * (current / i_s).atanh());
                         let poles = match (motor.inductance, motor.pole_pairs) {
                             (Some(l), Some(p)) if inductance => l * f64::from(p),
                             _ => 0.0,
@@ -209,7 +211,11 @@ fn the_voltage_boundary_meets_the_circle() {
                         let actuator = &prepared.candidate.actuator;
                         let v_d = -poles * n * speed * current;
                         let reached = [actuator.hot_resistance, actuator.cold_resistance]
-                            .map(|resistance| (resistance * current + motor.emf_constant() * n * speed).hypot(v_d))
+                            .map(|resistance| {
+                                let of = |current: f64| resistance * current + motor.emf_constant() * n * speed;
+                                let adds = of(current) * current > 0.0;
+                                of(if adds { with_iron } else { current }).hypot(v_d)
+                            })
                             .into_iter()
                             .fold(0.0, f64::max);
                         assert!(
