@@ -190,13 +190,13 @@ fn own(case: &Case, n: f64) -> Own {
     // Or at ambient, with cold magnets.
     let r_cold = (r * raw::ambient_factor(motor, robot.ambient)).min(r_hot);
     let voltage = |p: &Point, s: f64| {
-        // Flux saturates with the torque, the ohmic drop has the whole current; one that opposes the rest counts in a straight line.
+        // Flux saturates with the torque, the ohmic drop has the whole current; where it opposes the rest the larger value counts.
         let v_q = |per_torque: f64| {
             let straight = per_torque * torque(p, s) + l * rate(p, s) / k + k_b * n * p.velocity;
             let more = per_torque * (k * current(torque(p, s).abs()) - torque(p, s).abs());
-            if straight * torque(p, s) > 0.0 { straight + more.copysign(straight) } else { straight }
+            straight.abs().max((straight + more.copysign(torque(p, s))).abs())
         };
-        let most = v_q(r_hot / k).abs().max(v_q(r_cold / motor.torque_constant).abs());
+        let most = v_q(r_hot / k).max(v_q(r_cold / motor.torque_constant));
         most.hypot(f64::from(poles) * n * p.velocity * l * torque(p, s) / k)
     };
     let power =

@@ -200,7 +200,12 @@ fn the_voltage_boundary_meets_the_circle() {
                         let shaft = factor * torque / n
                             + friction * motor.coulomb_friction.unwrap_or(0.0)
                             + motor.viscous_friction.unwrap_or(0.0) * n * speed;
-                        // Of saturated iron the drop has the whole current, i_s artanh(T/(K_T i_s)), where it adds to the back-EMF.
+                        // Beyond the largest torque of saturated iron the curve is a continuation.
+                        let most = prepared.candidate.actuator.shortfall.largest_torque();
+                        if most.is_some_and(|most| shaft.abs() > most) {
+                            continue;
+                        }
+                        // Of saturated iron the drop has the whole current, i_s artanh(T/(K_T i_s)), where that is more.
                         let current = shaft / motor.torque_constant;
                         let with_iron = motor.saturation_current().map_or(current, |i_s| i_s * (current / i_s).atanh());
                         let poles = match (motor.inductance, motor.pole_pairs) {
@@ -213,8 +218,7 @@ fn the_voltage_boundary_meets_the_circle() {
                         let reached = [actuator.hot_resistance, actuator.cold_resistance]
                             .map(|resistance| {
                                 let of = |current: f64| resistance * current + motor.emf_constant() * n * speed;
-                                let adds = of(current) * current > 0.0;
-                                of(if adds { with_iron } else { current }).hypot(v_d)
+                                of(with_iron).abs().max(of(current).abs()).hypot(v_d)
                             })
                             .into_iter()
                             .fold(0.0, f64::max);

@@ -676,7 +676,7 @@ fn of_the_ratios_that_can_be_judged_the_best_is_the_choice() {
         "max_winding_temperature [degC]",
         "thermal_time_constant_winding [s],thermal_time_constant_housing [s],max_winding_temperature [degC]",
     );
-    let motors = motors.replace(",40,120,", ",40,6,600,120,");
+    let motors = motors.replace(",20000,120,", ",20000,6,600,120,");
     let asked = "name = \"leg\"\n[bus]\nvoltage = \"48 V\"\ndrive_current = \"60 A\"\n[[joint]]\nname = \"knee\"\n\
                  ratio = { min = 4, max = 40 }\nmotor_drag = \"off\"\nobjective = \"reflected_inertia\"\n\
                  points = [ { torque = \"12 N*m\", speed = \"1 rad/s\", duration = \"6 s\" }, { torque = \"1 N*m\", speed = \"2 rad/s\", duration = \"60 s\" } ]\n\

@@ -298,20 +298,24 @@ impl Actuator {
     }
 
     /// [`Self::voltage_squared`] with the true current in the ohmic drop where the iron saturates: a polynomial that touches it at a ratio
-    /// and is nowhere above it. Flux saturates with the torque: voltages of inductance are those of `T/K_T`. A drop that is opposed to the
-    /// other voltages counts as without saturation, from above.
+    /// and is nowhere above it. Flux saturates with the torque: voltages of inductance are those of `T/K_T`. Where the drop
+    /// is opposed to the other voltages, the larger value of those with and without saturation counts.
     pub fn voltage_squared_near(&self, flow: Flow, features: &[f64; FEATURES], ratio: f64) -> Laurent {
         let plain = self.voltage_squared(flow, features);
         let (torque, quadrature) =
             (self.torque_form(flow).polynomial(features), self.voltage_form(flow).polynomial(features));
-        let (here, voltage) = (torque.at(ratio), quadrature.at(ratio));
-        if !self.shortfall.saturates() || here * voltage <= 0.0 {
+        if !self.shortfall.saturates() {
             return plain;
         }
+        let here = torque.at(ratio);
         let (without, slope) = self.shortfall.without_saturation(here.abs());
         let (along, sign) = (self.resistance_per_torque(), here.signum());
+        let voltage = sign * quadrature.at(ratio);
         // (x + e)² ≥ 2 f (x + e) − f², and e(|T|) is above its tangent.
-        let f = voltage.abs() + along * (without - here.abs());
+        let f = voltage + along * (without - here.abs());
+        if f <= voltage.abs() {
+            return plain;
+        }
         let more = torque * (sign * along * (slope - 1.0)) + Laurent::constant(along * (without - slope * here.abs()));
         let direct = plain + quadrature.squared() * -1.0;
         (quadrature * sign + more) * (2.0 * f) + Laurent::constant(-f * f) + direct

@@ -622,14 +622,15 @@ impl Weights {
         self.iron.as_ref().map_or(torque, |iron| iron.without_saturation(torque).0)
     }
 
-    /// What saturation adds to a quadrature voltage \[V\] where the drop has its sign.
+    /// A quadrature voltage \[V\] with what saturation adds to the drop, or without it where that is more.
     #[inline(always)]
     fn with_saturation(&self, winding: usize, quadrature: f64, torque: f64) -> f64 {
-        if self.iron.is_none() || quadrature * torque <= 0.0 {
+        if self.iron.is_none() {
             return quadrature;
         }
         let more = self.along[winding] * (self.without_saturation(torque.abs()) - torque.abs());
-        quadrature + more.copysign(torque)
+        let with = quadrature + more.copysign(torque);
+        if with.abs() > quadrature.abs() { with } else { quadrature }
     }
 }
 

@@ -315,7 +315,8 @@ pub(super) fn voltage_squared_at(actuator: &Actuator, sample: &Sample, torque: f
     let plain = b / n + n * a + q[Feature::Sign] * sample.sign;
     let drop =
         actuator.resistance_per_torque() * (actuator.shortfall.without_saturation(torque.abs()).0 - torque.abs());
-    let quadrature = if plain * torque > 0.0 { plain + drop.copysign(torque) } else { plain };
+    let with = plain + drop.copysign(torque);
+    let quadrature = if with.abs() > plain.abs() { with } else { plain };
     let direct = actuator.cross_coupling * sample.velocity * n * torque;
     quadrature * quadrature + direct * direct
 }
