@@ -143,6 +143,10 @@ impl Ruled {
             },
             Err(why) => why,
         };
+        // A second search would take as long as the first.
+        if of_robot.enough.is_some() {
+            return Ok(vec![format!("`--write-design` would write another combination, or none: {because}.")]);
+        }
         let options = Options { keep: Some(1), reasons: false, ..options };
         let ruled_result = optimize_with(&ruled.robot, ground.1, options)?;
         let other = robot::choose(&ruled.robot, ground.1, of_robot)?;

@@ -33,6 +33,9 @@ const PLACES: usize = 48;
 /// The smallest margin of each limit at a place of the box.
 pub type Margins = BTreeMap<&'static str, Margin>;
 
+/// The smallest margin of each of some limits at a place of the box and a ratio.
+pub type MarginsAt<'b> = dyn Fn(&[f64], f64, &[&str]) -> Margins + 'b;
+
 /// The box of a motor's tolerances, as proofs look at it.
 pub struct Region<'b, 'p> {
     /// The printed numbers.
@@ -40,7 +43,7 @@ pub struct Region<'b, 'p> {
     /// Corners that were looked at.
     pub corners: &'b [(Prepared<'p>, &'p Corner)],
     /// The smallest margin of each of some limits at a place of the box and a ratio.
-    pub margins: &'b dyn Fn(&[f64], f64, &[&str]) -> Margins,
+    pub margins: &'b MarginsAt<'b>,
 }
 
 impl Region<'_, '_> {
