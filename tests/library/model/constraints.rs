@@ -8,6 +8,7 @@ use gearwise::actuator::Load;
 use gearwise::actuator::limits::{Check, LIMITS};
 use gearwise::catalog::Catalog;
 use gearwise::design::optimize::optimize;
+use gearwise::design::simulated::SimulatedJoint;
 use gearwise::design::{Evaluation, Mount, Prepared};
 use gearwise::input::Source;
 use gearwise::requirement::{self, Robot};
@@ -88,11 +89,33 @@ fn a_limit_below_zero_asks_for_power_returned() {
         let points = format!("{{ torque = '{} N*m', speed = '10 rad/s', duration = '1 s' }}", -torque);
         let evaluation = at(&joint(bus, "", &points), &table, 10.0);
         let (demand, margin) = margin(&evaluation, "bus_power");
-        let drawn = -returned * 0.8;
+        // The drive takes its share both ways.
+        let drawn = if returned > 0.0 { -returned * 0.8 } else { -returned / 0.8 };
         assert_relative_eq!(demand, drawn, max_relative = 1e-9);
         assert_relative_eq!(margin, (-2.0 - drawn) / 2.0, max_relative = 1e-9);
         assert_eq!(evaluation.feasible, drawn <= -2.0, "{torque}");
     }
+}
+
+/// A row that prints neither a maximum nor a no-load speed lets a motor turn as fast as its rated voltage drives it.
+#[test]
+fn an_unknown_maximum_speed_is_not_checked() {
+    let points = "{ torque = '1 N*m', speed = '20 rad/s', duration = '1 s' }";
+    let told = |columns: &str, cells: &str, volt: &str| {
+        let robot = joint(&format!("voltage = '{volt}'"), "", points);
+        let catalog = catalog(&motor(columns, cells));
+        let load = Load::new(&robot.joints[0].motion, None);
+        let candidate = Mount::new(&robot, &robot.joints[0], &load, &catalog.motors[0]).candidate().unwrap();
+        let found = candidate.checks().find(|(limit, _)| limit.name == "max_speed").map(|(_, check)| check);
+        matches!(found, Some(Check::Unknown(_)))
+    };
+    assert!(told("", "", "24 V"));
+    assert!(told(",voltage [V]", ",24", "48 V"));
+    assert!(!told(",voltage [V]", ",24", "24 V"));
+    assert!(!told(",max_speed [rpm]", ",20000", "24 V"));
+    // Of a no-load speed that is not beyond what is asked, 50 × 20 rad/s, and of one without its voltage.
+    assert!(!told(",no_load_speed [rad/s]", ",1500", "24 V"));
+    assert!(told(",no_load_speed [rad/s]", ",900", "24 V"));
 }
 
 #[test]
@@ -290,7 +313,15 @@ fn a_module_bears_less_in_hot_surroundings() {
         let mut robot = robot_at(ambient, points);
         robot.joints[0].motors.modules = vec!["*".into()];
         let here = at(&robot, &module("", ""), 9.0);
-        here.margins.iter().find(|m| m.limit == "rated_torque").unwrap().bound
+        let bound = here.margins.iter().find(|m| m.limit == "rated_torque").unwrap().bound;
+        // A simulator is told the same.
+        let (joint, catalog) =
+            (&robot.joints[0], catalog(&module("", "")).with_modules(["*".to_string()].iter(), |m| m));
+        let load = Load::new(&joint.motion, joint.ripple());
+        let candidate = Mount::new(&robot, joint, &load, &catalog.motors[0]).candidate().unwrap();
+        let held = SimulatedJoint::new(&candidate, 9.0).continuous_effort().unwrap();
+        assert_relative_eq!(held.value, bound, max_relative = 1e-12);
+        bound
     };
     assert_eq!((of(25.0), of(40.0)), (20.0, 20.0));
     assert_relative_eq!(of(95.0), 20.0 * (5.0_f64 / 60.0).sqrt(), max_relative = 1e-12);
@@ -415,7 +446,7 @@ fn no_constraint_vanishes_with_a_missing_value() {
                     // An entry that cannot be read, or not be used at all, is refused by name.
                     let Some([_, left]) = of(&less) else { continue };
                     blanked += 1;
-                    // Up to the printed no-load speed a motor's own maximum is known to be kept, and a row that prints neither says nothing.
+                    // Up to its rated voltage and its no-load speed a motor's own maximum is known to be kept.
                     let is_kept = |name: &String| name == "max_speed" && head[at].starts_with("max_speed");
                     let gone: Vec<&String> = whole.difference(&left).filter(|name| !is_kept(name)).collect();
                     if !gone.is_empty() {

@@ -428,6 +428,35 @@ fn what_no_row_says_is_not_judged_and_no_pass() {
     assert_eq!((run(&at, &["m.urdf"]).status, run(&at, &["m.urdf", "--strict"]).status), (0, 1));
 }
 
+/// A gear whose input speed or peak torque nobody prints leaves the question open; above what the motor does it is an error.
+#[test]
+fn what_a_gear_allows_is_not_taken_for_granted() {
+    let hardware = "[[joint]]\nnames = [\"a\"]\nmotor = \"maxon-ec-4pole-22-323217\"\ngear = \"planetary-maxon-gp22hp-14-370687\"\nvoltage = \"48 V\"\n";
+    let of = |velocity: &str| {
+        let (_, value) =
+            json(hardware, &[("m.urdf", &urdf(&[("a", &format!("effort=\"1\" velocity=\"{velocity}\""))]))]);
+        let open = value["not_judged"].as_array().unwrap().iter().any(|n| n["code"] == "GW403");
+        (open, codes(&value).contains(&"GW403"))
+    };
+    assert_eq!((of("180"), of("300")), ((true, false), (false, true)));
+
+    // A momentary peak is more than the repeated one, which is not known.
+    let motors = "id,terminals,current,resistance [ohm],torque_constant [N*m/A],rotor_inertia [kg*m^2],peak_current [A],source,source_kind\nweak,q_axis,q_axis,1,0.1,1e-5,10,s,derived\nstrong,q_axis,q_axis,1,0.1,1e-5,90,s,derived\n";
+    let gears = "id,kind,ratio,efficiency,momentary_peak_torque [N*m],max_input_speed [rad/s],source,source_kind\ng,strain_wave,50,0.8,100,500,s,derived\n";
+    let at = |motor: &str, effort: &str| {
+        let hardware = format!("[[joint]]\nnames = [\"a\"]\nmotor = \"{motor}\"\ngear = \"g\"\n");
+        let model = urdf(&[("a", &format!("effort=\"{effort}\" velocity=\"1\""))]);
+        let folder = folder(&hardware, &[("m.urdf", &model), ("motors.csv", motors), ("gears.csv", gears)]);
+        let files =
+            ["check-model", "m.urdf", "--json", "--against", "hardware.toml", "--catalog", "motors.csv", "gears.csv"];
+        let value: Value = serde_json::from_str(&super::folder::run(&folder, &files).out).unwrap();
+        let open = value["not_judged"].as_array().unwrap().iter().any(|n| n["code"] == "GW401");
+        (open, codes(&value).into_iter().filter(|code| *code == "GW401" || *code == "GW402").count())
+    };
+    assert_eq!((at("weak", "40"), at("weak", "45")), ((true, 0), (false, 1)));
+    assert_eq!((at("strong", "80"), at("strong", "120")), ((false, 0), (false, 1)));
+}
+
 #[test]
 fn voltage_takes_from_the_speed_and_never_adds() {
     let free = |hardware: &str| {

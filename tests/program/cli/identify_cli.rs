@@ -476,6 +476,7 @@ fn no_run_is_planned_where_nothing_is_confounded() {
     for wrong in [
         vec!["--plan-time", "30 s"],
         vec!["--plan", file, "--plan-time", "30 kg"],
+        vec!["--plan", file, "--plan-time", "2 h"],
         vec!["--plan", file, "--plan-travel=-3 deg"],
     ] {
         let output = gearwise(&[&["identify", EXAMPLE], wrong.as_slice()].concat());

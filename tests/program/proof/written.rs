@@ -215,6 +215,26 @@ fn without_rules_the_optimum_may_break_them() {
     assert_eq!(warnings(&[]), 0);
 }
 
+/// Of a whole robot it is said which combination is written instead of the best one, and which rule rejects that.
+#[test]
+fn another_combination_is_named_before_it_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let design = folder.path().join("design.toml");
+    let words = ["optimize", "requirements/quadruped_mini_cheetah.toml", "--robot"];
+    let text = |more: &[&str]| String::from_utf8(run(&repository(""), &[&words, more].concat()).stdout).unwrap();
+    let line = |text: &str| {
+        let flat = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        let from = flat.find("`--write-design` would write another combination (")?;
+        flat[from..].find("). ").or(flat[from..].find(");")).map(|to| flat[from..from + to].to_string())
+    };
+    let said = line(&text(&[])).unwrap();
+    assert_eq!(line(&text(&["--write-design", design.to_str().unwrap()])), None);
+    let written = fs::read_to_string(&design).unwrap();
+    let motors: Vec<&str> = written.lines().filter_map(|l| l.strip_prefix("motor = \"")?.strip_suffix('"')).collect();
+    let named = said.split(", ").filter_map(|part| part.split_once(": ")?.1.split(' ').next()).collect::<Vec<_>>();
+    assert!(!named.is_empty() && named.iter().all(|motor| motors.contains(motor)), "{said}\n{written}");
+}
+
 #[test]
 fn a_rules_file_of_the_requirement_is_kept_and_its_mistakes_are_found() {
     let folder = tempfile::tempdir().unwrap();
