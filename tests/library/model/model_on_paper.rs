@@ -567,8 +567,9 @@ fn limits_say_whose_they_are_and_what_is_left() {
     let joint = &case.robot.joints[0];
     let load = Load::new(&joint.motion, joint.ripple());
     let candidate = Mount::new(&case.robot, joint, &load, &case.motor).candidate().unwrap();
-    let margin =
-        |bound: f64, demand: f64| Asked { bound, squared: false, factor: 1.0, ..asked }.margin(&candidate, 3.0, demand);
+    let margin = |bound: f64, demand: f64| {
+        Asked { bound, squared: false, factor: 1.0, above_zero: 1.0, ..asked }.margin(&candidate, 3.0, demand)
+    };
     assert_eq!((margin(8.0, 2.0), margin(8.0, -2.0), margin(8.0, 10.0)), (0.75, 1.0, -0.25));
     assert_eq!(margin(8.0, f64::INFINITY), -1e6);
     // Of a limit of zero, what rounding leaves of the terms that cancel is nothing.
@@ -577,7 +578,7 @@ fn limits_say_whose_they_are_and_what_is_left() {
     assert_eq!((margin(0.0, 0.5e-9 * size), margin(0.0, 2e-9 * size)), (0.0, -1.0));
     // The functional is the square of the demand, with the sign kept; and back.
     let square = Asked { squared: true, factor: 2.0, ..asked };
-    let straight = Asked { squared: false, factor: 2.0, ..asked };
+    let straight = Asked { squared: false, factor: 2.0, above_zero: 2.0, ..asked };
     assert_eq!((Asked { bound: 6.0, ..square }.raw_bound(), Asked { bound: -6.0, ..square }.raw_bound()), (9.0, -9.0));
     assert_eq!(Asked { bound: 6.0, ..straight }.raw_bound(), 3.0);
     assert_eq!(

@@ -28,6 +28,7 @@ fn motor(without: &[&str], with: &[(&str, &str)]) -> Motor {
         ("pole_pairs", "7"),
         ("continuous_current [A]", "10"),
         ("peak_current [A]", "60"),
+        ("max_speed [rpm]", "100000"),
         ("thermal_resistance_winding_housing [K/W]", "0.4"),
         ("thermal_resistance_housing_ambient [K/W]", "0.6"),
         ("thermal_time_constant_winding [s]", "40"),
