@@ -83,8 +83,7 @@ pub(super) fn may_change(prepared: &Prepared, only_checked: bool) -> bool {
     prepared.judged_at_ratio().any(|name| only_checked || is_stated(name, robot, joint))
 }
 
-/// What keeps a ratio from being a choice, of each of several candidates. On the way from a ratio without doubt each has it from some ratio
-/// on.
+/// Doubts about a ratio, of each of several candidates. On the way from a ratio without doubt each has it from some ratio on.
 #[derive(Clone, Copy)]
 pub(super) struct Doubts<'d> {
     pub(super) count: usize,

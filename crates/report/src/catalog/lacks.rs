@@ -193,6 +193,7 @@ mod tests {
         ("inductance [H]", "1e-3", &["inductance"]),
         ("pole_pairs", "7", &["pole pairs"]),
         ("peak_current [A]", "20", &["peak current"]),
+        ("max_speed [rad/s]", "2000", &[]),
         ("outer_diameter [m]", "0.05", &["outer diameter"]),
         ("length [m]", "0.03", &["axial length"]),
         ("price", "90", &["price and lead time"]),
