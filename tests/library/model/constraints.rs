@@ -113,7 +113,7 @@ fn an_unknown_maximum_speed_is_not_checked() {
     assert!(told(",voltage [V]", ",24", "48 V"));
     assert!(!told(",voltage [V]", ",24", "24 V"));
     assert!(!told(",max_speed [rpm]", ",20000", "24 V"));
-    // Of a no-load speed that is not beyond what is asked, 50 × 20 rad/s, and of one without its voltage.
+    // The largest ratio asks for 50 × 20 rad/s: below the first no-load speed, above the second, whose voltage is unknown.
     assert!(!told(",no_load_speed [rad/s]", ",1500", "24 V"));
     assert!(told(",no_load_speed [rad/s]", ",900", "24 V"));
 }
@@ -225,7 +225,7 @@ fn once(table: &str, bus: &str, torque: f64, limits: &str) -> Robot {
     ))
 }
 
-/// Heat over the motion of the only motor or module of a table: true if it cannot be judged at N = 9.
+/// True if the winding temperature history of the only motor or module of a table cannot be evaluated at N = 9.
 fn heat_is_open(robot: &Robot, table: &str) -> bool {
     let catalog = catalog(table).with_modules([&"*".to_string()].into_iter(), |m| m);
     let joint = &robot.joints[0];

@@ -66,7 +66,7 @@ fn the_curve_goes_through_the_one_point_of_the_row() {
     assert_relative_eq!(wound.saturation_current().unwrap(), 2.0 * i_s, max_relative = 1e-9);
 }
 
-/// Loss and ohmic drop have the true current: 4 N·m at 200 rad/s, and braking with it; what comes back counts without saturation.
+/// Loss and ohmic drop take the true current at 4 N·m and 200 rad/s; regenerative power while braking takes T/K_T.
 #[test]
 fn voltage_and_power_have_the_true_current() {
     let motor = motor("motor", "4.56");

@@ -215,7 +215,7 @@ fn without_rules_the_optimum_may_break_them() {
     assert_eq!(warnings(&[]), 0);
 }
 
-/// Of a whole robot it is said which combination is written instead of the best one, and which rule rejects that.
+/// For a whole robot, the answer names the combination that is written instead of the best one, and the rule that rejects the best.
 #[test]
 fn another_combination_is_named_before_it_is_written() {
     let folder = tempfile::tempdir().unwrap();

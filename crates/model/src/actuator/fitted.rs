@@ -159,8 +159,8 @@ impl Shortfall {
         }
     }
 
-    /// `K_T i` \[N·m\] of the current of a torque ≥ 0 without ripple, and its derivative: a convex function, the torque itself unless the
-    /// iron saturates.
+    /// Torque `K_T i` \[N·m\] that the current at a torque ≥ 0 would give without saturation, and its derivative. Convex; ripple is left
+    /// out.
     pub fn without_saturation(&self, torque: f64) -> (f64, f64) {
         let Some(saturation) = self.saturation else { return (torque, 1.0) };
         let (current, slope) = self.saturated(saturation, torque);

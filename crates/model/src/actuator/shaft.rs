@@ -298,15 +298,15 @@ impl Actuator {
     }
 
     /// [`Self::voltage_squared`] with the true current in the ohmic drop where the iron saturates: a polynomial that touches it at a ratio
-    /// and is nowhere above it. Flux saturates with the torque: voltages of inductance are those of `T/K_T`. Where the drop
-    /// is opposed to the other voltages, the larger value of those with and without saturation counts.
+    /// and is nowhere above it. Inductive voltages are those of `T/K_T`, because the flux saturates with the torque. Where the drop
+    /// opposes the other voltages, the larger of the values with and without saturation counts.
     pub fn voltage_squared_near(&self, flow: Flow, features: &[f64; FEATURES], ratio: f64) -> Laurent {
         let plain = self.voltage_squared(flow, features);
-        let (torque, quadrature) =
-            (self.torque_form(flow).polynomial(features), self.voltage_form(flow).polynomial(features));
         if !self.shortfall.saturates() {
             return plain;
         }
+        let (torque, quadrature) =
+            (self.torque_form(flow).polynomial(features), self.voltage_form(flow).polynomial(features));
         let here = torque.at(ratio);
         let (without, slope) = self.shortfall.without_saturation(here.abs());
         let (along, sign) = (self.resistance_per_torque(), here.signum());

@@ -612,7 +612,7 @@ impl<L> Stood<L> {
         make: impl FnOnce(&[u8]) -> L,
     ) -> &'l L {
         let is_same = |node: &&Node<L>| node.step == step && node.tau == tau.to_bits();
-        // Of nodes that threads added at once the first counts, so that loads are the same one where degrees are alike.
+        // Threads may add equal nodes at the same time: the first one counts, so that equal degrees share one load.
         let with = |degrees: &[u8]| {
             let alike = self.nodes().find(|node| *node.degrees == *degrees && node.load.is_some());
             alike.and_then(|node| node.load.as_ref()).unwrap_or(base)

@@ -622,7 +622,7 @@ impl Weights {
         self.iron.as_ref().map_or(torque, |iron| iron.without_saturation(torque).0)
     }
 
-    /// A quadrature voltage \[V\] with what saturation adds to the drop, or without it where that is more.
+    /// Quadrature voltage \[V\], the larger in magnitude of the values with and without the additional ohmic drop of saturation.
     #[inline(always)]
     fn with_saturation(&self, winding: usize, quadrature: f64, torque: f64) -> f64 {
         if self.iron.is_none() {

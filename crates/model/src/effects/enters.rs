@@ -102,7 +102,7 @@ impl Enters {
                     .into()
             }
             Enters::Saturation { .. } => {
-                "enters current, heat, voltage and power at every instant (regenerated power takes the straight line, which is more)".into()
+                "enters current, heat, voltage and power at every instant (regenerative power takes the straight line, which is more)".into()
             }
             Enters::Voltage(_) => "lowers the available voltage".into(),
             Enters::Efficiency { .. } => "enters as the gear's efficiency".into(),

@@ -17,7 +17,7 @@ pub fn count(steps: usize) {
     DONE.set(DONE.get().wrapping_add(steps as u64));
 }
 
-/// Make what is kept for others to find, without counting its steps: who asks first depends on the threads.
+/// Build a shared, cached value without counting its steps: the thread that builds it is not deterministic.
 pub fn uncounted<T>(make: impl FnOnce() -> T) -> T {
     let before = DONE.get();
     let made = make();

@@ -94,7 +94,7 @@ pub struct Asked {
     pub squared: bool,
     /// Natural unit per functional (or per its root).
     pub factor: f64,
-    /// That of a functional above zero: another for power drawn where the bound is one on power that comes back.
+    /// Natural unit per positive functional; differs from `factor` where a negative bound asks for regenerative power.
     pub above_zero: f64,
     /// What may be had, natural unit.
     pub bound: f64,

@@ -84,9 +84,9 @@ impl Limit {
             Prepared::Asked { demand, squared, factor, bound, owner, standing } => {
                 let bound = bound * kept;
                 let (end, actuator) = (End::First, None);
-                let drawn = Drawn::new(&candidate.robot.bus);
                 let above_zero = match demand {
                     Demand::Samples(Functional::Power) if bound < 0.0 => {
+                        let drawn = Drawn::new(&candidate.robot.bus);
                         factor * drawn.per_power(1.0) / drawn.arrives()
                     }
                     _ => factor,

@@ -112,10 +112,10 @@ impl Candidate<'_> {
                 "peak_torque",
                 match self.motor.sheet.peak_torque_linearity {
                     Some(_) => {
-                        "the iron saturates as T = K_T i_s tanh(i/i_s), through the peak torque at the linearity that the sheet prints; regenerated power is computed with T/K_T, which is more"
+                        "the iron saturates as T = K_T i_s tanh(i/i_s), through the peak torque at the linearity that the sheet prints; regenerative power is computed with T/K_T, which is more"
                     }
                     None => {
-                        "the row's peak torque is less than K_T times the current there: the iron is taken to saturate as T = K_T i_s tanh(i/i_s), through that one point; regenerated power is computed with T/K_T, which is more"
+                        "the row's peak torque is less than K_T times the current there: the iron is taken to saturate as T = K_T i_s tanh(i/i_s), through that one point; regenerative power is computed with T/K_T, which is more"
                     }
                 },
             ));

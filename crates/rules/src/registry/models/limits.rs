@@ -1,7 +1,7 @@
 //! Limits that a model states: torque, speed, gear.
 
 use super::said::{NO_TORQUE, about, alone, asked, factors, is_explained, percent, stated_as};
-use crate::hardware::Holds;
+use crate::hardware::{Fact, Holds};
 use crate::models::{ModelFacts, explained, within};
 use crate::rule::{Judgement, ModelRemark, Rule, Severity, Test};
 use gearwise_model::catalog::module::on_curve;
@@ -22,6 +22,14 @@ pub(in crate::registry) const EFFORT_ABOVE_PEAK: Rule = Rule {
 
 const NO_GEAR_PEAK: &str = "its gear's peak torque is not known: the effort is not above what the motor gives";
 
+/// No finding for a value up to a fact; not judged if the fact is an upper bound only.
+fn not_above(fact: &Fact, gear_is_unknown: &'static str) -> Judgement {
+    match fact.holds {
+        Holds::AtMost => Judgement::NotJudged(gear_is_unknown),
+        Holds::Exactly | Holds::AtLeast => Judgement::Judged(Vec::new()),
+    }
+}
+
 fn effort_above_peak(facts: &ModelFacts, k: usize) -> Judgement {
     let (hardware, effort) = match asked(facts, k, Quantity::Effort) {
         Ok(asked) => asked,
@@ -36,11 +44,7 @@ fn effort_above_peak(facts: &ModelFacts, k: usize) -> Judgement {
         return Judgement::Judged(Vec::new());
     }
     if !above {
-        return if peak.holds == Holds::AtMost {
-            Judgement::NotJudged(NO_GEAR_PEAK)
-        } else {
-            Judgement::Judged(Vec::new())
-        };
+        return not_above(peak, NO_GEAR_PEAK);
     }
     let share = facts.file.tolerances.limits;
     if let Some(before) = hardware.before_loss.as_ref().filter(|b| within(effort.value, b.value, share)) {
@@ -83,7 +87,7 @@ fn effort_meaning(facts: &ModelFacts, k: usize) -> Judgement {
     }
     let share = facts.file.tolerances.limits;
     let other = hardware.others.iter().find(|(_, fact)| within(effort.value, fact.value, share));
-    let note = |(name, fact): &(&str, crate::hardware::Fact)| {
+    let note = |(name, fact): &(&str, Fact)| {
         let message = format!("{} is the {name} of its hardware, not the peak torque", stated_as(effort));
         let mut remark = about(k, facts, effort, message).against(fact, name);
         remark.severity = Some(Severity::Note);
@@ -141,14 +145,10 @@ fn velocity_above_no_load(facts: &ModelFacts, k: usize) -> Judgement {
         return Judgement::Judged(Vec::new());
     }
     if velocity.value <= free.value * (1.0 + facts.file.tolerances.limits) {
-        return if free.holds == Holds::AtMost {
-            Judgement::NotJudged(NO_GEAR_SPEED)
-        } else {
-            Judgement::Judged(Vec::new())
-        };
+        return not_above(free, NO_GEAR_SPEED);
     }
     let most = hardware.largest_speed_most.as_ref();
-    let beyond = |most: &&crate::hardware::Fact| velocity.value > most.value * (1.0 + facts.file.tolerances.limits);
+    let beyond = |most: &&Fact| velocity.value > most.value * (1.0 + facts.file.tolerances.limits);
     let free = match (free.holds, most.filter(beyond)) {
         (Holds::Exactly | Holds::AtMost, _) => free,
         (Holds::AtLeast, Some(most)) => most,
@@ -195,9 +195,7 @@ fn outside_box(facts: &ModelFacts, k: usize) -> Judgement {
         return Judgement::NotJudged(AT_MORE_VOLTAGE);
     }
     let share = facts.file.tolerances.limits;
-    let beyond = |value: f64, fact: &Option<crate::hardware::Fact>| {
-        fact.as_ref().is_some_and(|fact| value > fact.value * (1.0 + share))
-    };
+    let beyond = |value: f64, fact: &Option<Fact>| fact.as_ref().is_some_and(|fact| value > fact.value * (1.0 + share));
     // What is beyond the curve altogether is found as such.
     if beyond(effort.value, &hardware.peak) || beyond(velocity.value, &hardware.largest_speed) || is_explained(facts, k)
     {
@@ -341,7 +339,7 @@ fn saturation(facts: &ModelFacts, k: usize) -> Judgement {
         let mut remark = about(k, facts, effort, message);
         remark.bound = Some(saturation.value);
         remark.against = Some(joint.at(&saturation.span));
-        let is_right = |fact: &crate::hardware::Fact| within(saturation.value, fact.value, share);
+        let is_right = |fact: &Fact| within(saturation.value, fact.value, share);
         remark.help = Some(match alone(joint).and_then(|hardware| hardware.peak.as_ref()).is_some_and(is_right) {
             true => format!("write an effort of {} N*m: its hardware gives no more", number(saturation.value)),
             false => "write the torque at standstill of the torque–speed line as saturation".into(),
