@@ -67,7 +67,9 @@ pub(super) fn counted_at_worst(result: &RobustJoint) -> String {
 /// The limits of a design that are not proven over its tolerances, in a sentence; `None` where all are.
 pub(super) fn unproven_text(design: &RobustDesign) -> Option<String> {
     let limits = design.unproven.join(", ");
-    (!limits.is_empty()).then(|| format!("NOT proven over the tolerances: {limits}; no tried motor exceeds a limit"))
+    let ended = if design.is_ended { " (the search ended after its share of the work)" } else { "" };
+    (!limits.is_empty())
+        .then(|| format!("NOT proven over the tolerances{ended}: {limits}; no tried motor exceeds a limit"))
 }
 
 /// For people.

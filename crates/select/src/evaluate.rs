@@ -532,17 +532,8 @@ impl<'a> Prepared<'a> {
         }
     }
 
-    /// Whether it is a module of whose power nobody knows.
-    fn lacks_power(&self) -> bool {
-        !self.candidate.motor.inside.as_deref().is_none_or(Inside::says_whole_power)
-    }
-
-    /// The same, whatever of a module is not known.
-    fn as_if_known(&self, ratio: f64) -> Evaluation {
-        if self.candidate.is_evaluated() {
-            let there = self.at_ratio(ratio, |here| here.at(ratio));
-            return Evaluation { feasible: there.feasible && self.says_gear_at(ratio), ..there };
-        }
+    /// Margins of all limits at a ratio, true if they keep them all, and the peak current \[A\] in proportion to the torque.
+    fn margins(&self, ratio: f64) -> (Vec<Margin>, bool, f64) {
         let candidate = &self.candidate;
         let waveform = &candidate.load.waveform;
         let current = waveform.of_current();
@@ -573,12 +564,46 @@ impl<'a> Prepared<'a> {
                 None => margins.push(margin),
             }
         }
+        (margins, feasible, peaks[0].value.max(peaks[1].value).max(0.0).sqrt())
+    }
+
+    /// The objective at a ratio, as [`at`](Self::at) tells it; `None` where that needs a mass that is not known.
+    pub fn objective_at(&self, objective: &Objective, ratio: f64) -> Option<f64> {
+        let is_mass = objective.terms.iter().all(|(quantity, _)| *quantity == Quantity::Mass);
+        if !is_mass {
+            return self.at(ratio).objective(objective);
+        }
+        let mass = self.candidate.mass_at(ratio);
+        objective.terms.iter().map(|(_, weight)| Some(weight * mass?)).sum()
+    }
+
+    /// The objective at a ratio where it keeps all limits.
+    pub fn kept_objective_at(&self, objective: &Objective, ratio: f64) -> Option<f64> {
+        let feasible = match self.candidate.is_evaluated() {
+            true => self.says_gear_at(ratio) && self.at_ratio(ratio, |here| here.margins(ratio).1),
+            false => self.margins(ratio).1,
+        };
+        feasible.then(|| self.objective_at(objective, ratio)).flatten()
+    }
+
+    /// Whether it is a module of whose power nobody knows.
+    fn lacks_power(&self) -> bool {
+        !self.candidate.motor.inside.as_deref().is_none_or(Inside::says_whole_power)
+    }
+
+    /// The same, whatever of a module is not known.
+    fn as_if_known(&self, ratio: f64) -> Evaluation {
+        if self.candidate.is_evaluated() {
+            let there = self.at_ratio(ratio, |here| here.at(ratio));
+            return Evaluation { feasible: there.feasible && self.says_gear_at(ratio), ..there };
+        }
+        let (margins, feasible, peak) = self.margins(ratio);
+        let candidate = &self.candidate;
         let actuator = &candidate.actuator;
         let (losses, loss_low) = self.losses(ratio);
         let copper_loss = self.copper_loss_at(ratio);
         // The polynomial of the mean power has the heat as if the iron did not saturate.
         let saturated = if actuator.shortfall.saturates() { copper_loss - self.copper_loss().at(ratio) } else { 0.0 };
-        let peak = peaks[0].value.max(peaks[1].value).max(0.0).sqrt();
         let mean_power = self.ends().map(|(_, means)| means.power.at(ratio)).fold(f64::MIN, f64::max);
         Evaluation {
             ratio,

@@ -46,6 +46,11 @@ impl<'s> Stop<'s> {
         Stop { steps: (ALL_STEPS / programs.max(1) as u64).clamp(FEWEST_STEPS, MOST_STEPS), ..self }
     }
 
+    /// Give each program so many steps, but not fewer than [`FEWEST_STEPS`].
+    pub(super) fn with_steps(self, steps: u64) -> Self {
+        Stop { steps: steps.max(FEWEST_STEPS), ..self }
+    }
+
     /// Add up the steps that programs do.
     pub(super) fn adding(self, done: &'s AtomicU64) -> Stop<'s> {
         Stop { done: Some(done), ..self }
@@ -62,11 +67,16 @@ impl<'s> Stop<'s> {
 
     /// Solve a program within its share of the work.
     pub(super) fn within<T>(self, solve: impl FnOnce() -> T) -> T {
+        self.within_share(solve).0
+    }
+
+    /// Solve a program within its share of the work; true if it took its whole share.
+    pub(super) fn within_share<T>(self, solve: impl FnOnce() -> T) -> (T, bool) {
         let (found, steps) = work::within(self.steps, solve);
         if let Some(done) = self.done {
             done.fetch_add(steps, Ordering::Relaxed);
         }
-        found
+        (found, steps >= self.steps)
     }
 
     /// True if a program is to end: it was stopped, or its share of the work is done.

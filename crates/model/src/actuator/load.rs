@@ -510,7 +510,7 @@ impl Load {
     }
 
     /// Samples in means with their share of the time.
-    pub fn means(&self) -> impl Iterator<Item = (&WavePoint, f64)> {
+    pub fn means(&self) -> impl ExactSizeIterator<Item = (&WavePoint, f64)> {
         self.samples.iter().zip(self.weight.iter().copied())
     }
 

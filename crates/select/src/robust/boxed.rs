@@ -13,6 +13,7 @@ use crate::selection::Selection;
 use crate::solved::{Tried, best_listed, one_gear, tried};
 use gearwise_model::actuator::limits::Remark;
 use gearwise_model::catalog::Motor;
+use gearwise_model::numerics::work;
 use gearwise_model::requirement::Objective;
 
 /// Most numbers of which both ends are combined with each other from the start; places that break a limit are added to these.
@@ -46,6 +47,7 @@ pub fn best_robust<'a>(
             unchecked: nominal.unchecked.clone(),
             assumed: nominal.assumed.clone(),
             unproven: Vec::new(),
+            is_ended: false,
         });
     }
     if let Some(wide) = reaching_zero(&all) {
@@ -185,7 +187,7 @@ impl Start {
             let of_objective = |share: f64| {
                 let mut place = printed.clone();
                 place[i] = share;
-                prepared_at(mount, all, &place, |prepared| prepared.at(ratio).objective(objective)).flatten()
+                prepared_at(mount, all, &place, |prepared| prepared.objective_at(objective, ratio)).flatten()
             };
             match directions.of_all(i) {
                 Along::Convex | Along::Unknown => free[i] = true,
@@ -371,7 +373,9 @@ impl<'p> Boxed<'p> {
         let mut broken = Vec::new();
         for (at, limit) in std::mem::take(&mut verified.exceeded) {
             let known = self.corners.iter().any(|(_, corner)| corner.at == at && corner.found_for == Some(limit));
-            match Corner::new(self.mount.motor, self.all, at, Some(limit)).filter(|_| !known && round < ROUNDS) {
+            match Corner::new(self.mount.motor, self.all, at, Some(limit))
+                .filter(|_| !known && round < ROUNDS && !work::is_spent())
+            {
                 Some(corner) => broken.push(corner),
                 None => verified.leave_open(limit),
             }
@@ -462,7 +466,7 @@ impl<'p> Boxed<'p> {
     ) -> RobustDesign<'a> {
         let ratio = optimum.ratio;
         let objective = &self.nominal.candidate.joint.objective;
-        let at_corners = self.corners.iter().filter_map(|(prepared, _)| prepared.at(ratio).objective(objective));
+        let at_corners = self.corners.iter().filter_map(|(prepared, _)| prepared.objective_at(objective, ratio));
         let evaluation = Evaluation {
             energy: self.nominal.energy(ratio),
             peak_power: Some(self.nominal.peak_power(ratio)),
@@ -480,6 +484,7 @@ impl<'p> Boxed<'p> {
             worst_objective: at_corners.fold(optimum.objective, f64::max),
             tightest: tightest.min_by(|a, b| a.margin.total_cmp(&b.margin)),
             unproven: verified.unproven,
+            is_ended: false,
             evaluation,
             optimum,
         }

@@ -98,12 +98,11 @@ pub(super) fn contenders<'a>(
             let own = robust.iter().find(|r| r.nominal.motor.id == motor.id);
             let at = |motor: &Motor, gear: Option<&str>, ratio: f64| {
                 let prepared = site.mount(motor, gear).ok()?.prepared().ok()?;
-                let evaluation = prepared.at(ratio);
+                let objective = prepared.kept_objective_at(&joint.objective, ratio)?;
                 // What cannot be judged is not known to be kept.
-                let kept = evaluation.feasible
-                    && !(judge::may_change(&prepared, only_checked)
-                        && judge::doubt(&prepared, ratio, only_checked).is_some());
-                evaluation.objective(&joint.objective).filter(|_| kept)
+                let is_open = judge::may_change(&prepared, only_checked)
+                    && judge::doubt(&prepared, ratio, only_checked).is_some();
+                (!is_open).then_some(objective)
             };
             let mut generator = Pcg64::seed_from_u64(seed(&motor.id, &joint.name));
             let motors: Vec<Option<Motor>> = match all.is_empty() {

@@ -15,10 +15,15 @@ use gearwise_model::catalog::Motor;
 use gearwise_model::catalog::drag::Drag;
 use gearwise_model::catalog::module::constants::EfficiencyFrom;
 use gearwise_model::effects::{Enters, Side};
+use gearwise_model::numerics::work;
 use gearwise_model::requirement::MotorDrag;
 
 /// Relative difference up to which the equations agree with the program.
 const AGREEMENT: f64 = 1e-7;
+
+/// Steps of [`work`] for a sample without derivatives, and more of them for each derivative.
+const PLAIN_STEPS: usize = 30;
+const DERIVATIVE_STEPS: usize = 10;
 
 type Form = Vec<Number>;
 
@@ -577,6 +582,7 @@ impl<'e> Equations<'e> {
         derive: bool,
     ) -> Option<Compared> {
         let candidate = self.candidate;
+        work::count(PLAIN_STEPS + if derive { over.len() * DERIVATIVE_STEPS } else { 0 });
         if candidate.is_evaluated() || asked.actuator.is_some() || candidate.map.is_some() {
             return None;
         }
@@ -809,6 +815,7 @@ impl<'e> Equations<'e> {
     /// Mean of the squared torque \[N²·m²\] over all of the time.
     fn mean_square(&self, machine: &Machine, ratio: &Number, standing: &Number) -> Number {
         let (load, down) = (self.candidate.load, ratio.recip());
+        work::count(load.means().len() * (PLAIN_STEPS + self.all.len() * DERIVATIVE_STEPS));
         let (mut moving, mut standstill, mut at_rest) = (Number::constant(0.0), Number::constant(0.0), 0.0);
         for (k, (point, share)) in load.means().enumerate() {
             let square = machine.torque(point, ratio, &down).square();
@@ -886,6 +893,7 @@ impl<'e> Equations<'e> {
             _ => return None,
         };
         let down = ratio.recip();
+        work::count(candidate.load.means().len() * (PLAIN_STEPS + self.all.len() * DERIVATIVE_STEPS));
         Some(candidate.load.means().map(|(point, _)| &machine.torque(point, ratio, &down).square() * &factor).collect())
     }
 

@@ -14,6 +14,8 @@ mod derivative;
 mod equations;
 mod proof;
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use rayon::prelude::*;
 
 use super::answer::{Design, JointResult, Reason, RobotResult};
@@ -60,6 +62,8 @@ pub struct RobustDesign<'a> {
     pub tightest: Option<Margin>,
     /// Limits that neither a corner nor a bound proves over the tolerances: the design keeps them at every motor that was tried.
     pub unproven: Vec<&'static str>,
+    /// True if the search for it, or its proof, ended after its share of the work.
+    pub is_ended: bool,
     /// Limits that could not be checked at that ratio, of the printed numbers or at a corner, and why.
     pub unchecked: Vec<Remark>,
     /// Limits that count as kept there, and as far as what holds.
@@ -99,10 +103,8 @@ pub fn robust<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options) -> R
     let solve = |nominal: JointResult<'a>| {
         let joint = nominal.joint;
         let demand = JointDemand::new(joint, catalog);
-        let site = Site::new(robot, joint, &demand).stopping(stop);
-        let best = |design: &Design<'a>| stop.unless(best_robust(site, design, options.only_checked));
-        let found: Vec<Result<RobustDesign, Reason>> =
-            nominal.candidates.par_iter().map(best).collect::<Result<_, _>>()?;
+        let site = Site::new(robot, joint, &demand);
+        let found = found(site, &nominal.candidates, stop, options.only_checked)?;
         let (mut designs, mut lost) = (Vec::new(), Vec::new());
         for (design, result) in nominal.candidates.iter().zip(found) {
             match result {
@@ -123,4 +125,44 @@ pub fn robust<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options) -> R
         stop.unless(RobustJoint { nominal, designs, lost, contenders })
     };
     joints.into_iter().map(solve).collect()
+}
+
+/// Steps of [`work`](gearwise_model::numerics::work) for the proofs of a robot: about 40 s of one core.
+const PROOF_STEPS: u64 = 10_000_000_000;
+
+/// Number of designs that share the remaining steps equally. Designs come least nominal objective first, which bounds the objective over
+/// the tolerances from below, so that those that may be the first choice are proven first.
+const BATCH: usize = 16;
+
+/// The design over its tolerances for each nominal design, in their order.
+fn found<'a>(
+    site: Site<'a, '_>,
+    nominal: &[Design<'a>],
+    stop: Stop,
+    only_checked: bool,
+) -> Result<Vec<Result<RobustDesign<'a>, Reason>>, Stopped> {
+    let all = PROOF_STEPS / site.robot.joints.len() as u64;
+    let done = AtomicU64::new(0);
+    let best = |design: &Design<'a>, steps: u64| {
+        let stop = stop.adding(&done).with_steps(steps);
+        let (mut found, is_ended) = stop.within_share(|| best_robust(Site { stop, ..site }, design, only_checked));
+        if let Ok(found) = &mut found {
+            found.is_ended = is_ended;
+        }
+        stop.unless((found, is_ended))
+    };
+    let left = || all.saturating_sub(done.load(Ordering::Relaxed));
+    let mut found = Vec::with_capacity(nominal.len());
+    for batch in nominal.chunks(BATCH) {
+        let steps = left() / batch.len() as u64;
+        found.extend(batch.par_iter().map(|design| best(design, steps)).collect::<Result<Vec<_>, _>>()?);
+    }
+    // Designs whose search ended get the steps that the others left over, where these are more than their first share.
+    let ended: Vec<usize> = (0..nominal.len()).filter(|k| found[*k].1).collect();
+    let steps = left() / ended.len().max(1) as u64;
+    if !ended.is_empty() && steps > all / BATCH as u64 {
+        let again = ended.par_iter().map(|k| best(&nominal[*k], steps)).collect::<Result<Vec<_>, _>>()?;
+        ended.into_iter().zip(again).for_each(|(k, again)| found[k] = again);
+    }
+    Ok(found.into_iter().map(|(found, _)| found).collect())
 }

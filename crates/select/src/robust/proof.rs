@@ -17,6 +17,7 @@ use super::equations::{Equations, Reading};
 use crate::Prepared;
 use crate::evaluate::{FEASIBILITY_TOLERANCE, Margin};
 use gearwise_model::actuator::limits::{Asked, Demand};
+use gearwise_model::numerics::work;
 
 /// Most parts into which the box is divided for one limit.
 const PARTS: usize = 20_000;
@@ -253,6 +254,9 @@ fn search(boxed: &Region, all: &[Toleranced], ratio: f64, verified: &mut Verifie
     let mut worst: Worst = BTreeMap::new();
     let unproven = verified.unproven.clone();
     let look = |at: Vec<f64>, worst: &mut Worst| {
+        if work::is_spent() {
+            return;
+        }
         let margins = (boxed.margins)(&at, ratio, &unproven);
         for name in &unproven {
             let Some(margin) = margins.get(name).copied() else { continue };
@@ -334,6 +338,9 @@ fn together(boxed: &Region, equations: &Equations, asked: &Asked, ratio: f64) ->
         return Found::Open;
     }
     for bits in 0..1_usize << free.len() {
+        if work::is_spent() {
+            return Found::Open;
+        }
         let at: Vec<f64> = (0..along.len())
             .map(|i| match along[i] {
                 Along::Constant => equations.all[i].nominal(),
@@ -361,7 +368,7 @@ fn each(equations: &Equations, asked: &Asked, ratio: f64) -> Found {
         let mut left = vec![whole];
         while let Some((mut over, samples)) = left.pop() {
             parts += 1;
-            if parts > PARTS {
+            if parts > PARTS || work::is_spent() {
                 return Found::Open;
             }
             let Some(plain) = equations.machine(asked.end, Reading::Nth(reading), &over, false) else {

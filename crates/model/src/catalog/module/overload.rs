@@ -4,6 +4,7 @@
 //! the normalised temperature to a step of T² is s(t) = (T_r/T)², s(∞) = 1. A sum of lags through these points follows any
 //! motion: `ẏ_i = (g_i (T/T_r)² − y_i)/τ_i`, with Σ y_i ≤ 1.
 
+use crate::numerics::work;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
@@ -157,13 +158,12 @@ impl Response {
     /// The largest normalised temperature over a course of the squared torque: in the state that repeats, or from cold.
     pub fn peak(&self, course: &[Piece], repeats: bool) -> f64 {
         let square = self.rated * self.rated;
-        let end = |y: f64, (share, lag): (f64, f64), lasts: f64, [from, to]: [f64; 2]| {
+        let end = |y: f64, (share, lag): (f64, f64), (lasts, decay): (f64, f64), [from, to]: [f64; 2]| {
             if lasts <= 0.0 {
                 return y;
             }
             // y follows share·x with a lag; x is a ramp.
             let (a, slope) = (share * from / square, share * (to - from) / square / lasts);
-            let decay = (-lasts / lag).exp();
             let settled = |t: f64| a + slope * (t - lag);
             settled(lasts) + (y - settled(0.0)) * decay
         };
@@ -176,25 +176,50 @@ impl Response {
                 return 0.0;
             }
             // One period takes y to c + d y.
-            let after = course.iter().fold(0.0, |y, piece| end(y, *lag, piece.lasts, squares(piece)));
+            let mut decay = Decay::of(lag.1);
+            let after = course.iter().fold(0.0, |y, piece| end(y, *lag, decay.over(piece.lasts), squares(piece)));
             let lasts: f64 = course.iter().map(|piece| piece.lasts).sum();
             after / -(-lasts / lag.1).exp_m1()
         };
         let mut state: Vec<f64> = all.iter().map(start).collect();
         let mut peak: f64 = state.iter().sum();
+        let mut decays: Vec<Decay> = all.iter().map(|((_, lag), _)| Decay::of(*lag)).collect();
+        work::count(course.len() * LOOKS * all.len());
         for piece in course {
-            // Within a piece it may be higher than at its ends.
-            const LOOKS: usize = 16;
             for k in 0..LOOKS {
-                for (y, (lag, squares)) in state.iter_mut().zip(&all) {
+                for ((y, (lag, squares)), decay) in state.iter_mut().zip(&all).zip(&mut decays) {
                     let [from, to] = squares(piece);
                     let part = [k, k + 1].map(|look| from + (to - from) * look as f64 / LOOKS as f64);
-                    *y = end(*y, *lag, piece.lasts / LOOKS as f64, part);
+                    *y = end(*y, *lag, decay.over(piece.lasts / LOOKS as f64), part);
                 }
                 peak = peak.max(state.iter().sum());
             }
         }
         peak
+    }
+}
+
+/// Parts of a piece at whose ends the temperature is computed: within a piece it may be higher than at its ends.
+const LOOKS: usize = 16;
+
+/// Decay of a lag over times, of which equal ones often follow each other.
+struct Decay {
+    lag: f64,
+    /// The last time \[s\] and its decay.
+    last: (f64, f64),
+}
+
+impl Decay {
+    fn of(lag: f64) -> Decay {
+        Decay { lag, last: (0.0, 1.0) }
+    }
+
+    /// A time \[s\] and the decay over it.
+    fn over(&mut self, lasts: f64) -> (f64, f64) {
+        if lasts != self.last.0 {
+            self.last = (lasts, (-lasts / self.lag).exp());
+        }
+        self.last
     }
 }
 
