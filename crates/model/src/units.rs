@@ -148,9 +148,9 @@ const BOUNDS: &[(&Kind, [f64; 2])] = &[
     (&TIME, [-1e12, 1e12]),
     (&MASS, [-1e9, 1e9]),
     (&LENGTH, [-1e6, 1e6]),
-    (&INERTIA, [-1e12, 1e12]),
+    (&INERTIA, [-1e9, 1e9]),
     (&VOLTAGE, [-1e6, 1e6]),
-    (&CURRENT, [-1e12, 1e12]),
+    (&CURRENT, [-1e9, 1e9]),
     (&POWER, [-1e12, 1e12]),
     (&TEMPERATURE, [100.0, 1e4]),
 ];

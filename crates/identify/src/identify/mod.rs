@@ -41,7 +41,9 @@ pub use balance::{Balance, Corrections, Setting, targets};
 pub use identified::Identified;
 
 use self::identified::Final;
+use self::orders::Ripple;
 use self::work::{Kind, Term, Work};
+use crate::answer::Base;
 use crate::select::{self, Judge, Pruner};
 use crate::{Bench, Use, simulate};
 use gearwise_model::effects::{Effect, Shape};
@@ -61,6 +63,8 @@ const WORSE_BY_LAGS: f64 = 1.02;
 pub(crate) const FEWEST: usize = 60;
 /// How often the band is halved to find one that values do not depend on.
 const NARROWED: usize = 2;
+/// How often the torque that the gear transmits is computed again from the fitted torque constant.
+const SHAFT_ROUNDS: usize = 3;
 /// Most effects and orders that are added one after the other.
 const STEPS: usize = 16;
 
@@ -242,27 +246,28 @@ fn narrowed(bench: &Bench, target: Target, options: &Options, times: usize) -> O
         }
     }
     let gear_loss = work.gear_loss();
+    let shaft = work.fitted_shaft().filter(|_| gear_loss > 0.0);
     let weight = work.fitted_weight();
     let refined = may_be_late.then(|| artefacts::refine(bench, &work, &corrections, &setting)).flatten();
-    let lags_alone = refined.is_some() && gear_loss <= 0.02 && weight.is_none();
+    let lags_alone = refined.is_some() && gear_loss <= 0.02 && weight.is_none() && shaft.is_none();
     let before =
         lags_alone.then(|| (work.clone(), selection.clone(), stages.clone(), corrections.clone(), held.clone()));
-    if refined.is_some() || gear_loss > 0.02 || weight.is_some() {
-        corrections = Corrections { gear_loss, weight, ..refined.unwrap_or(corrections) };
-        let terms = std::mem::take(&mut work.terms);
-        work = model(&corrections)?;
+    if refined.is_some() || gear_loss > 0.02 || weight.is_some() || shaft.is_some() {
+        corrections = Corrections { gear_loss, weight, shaft, ..refined.unwrap_or(corrections) };
+        let renewed = model(&corrections)?;
         selection.forget();
         if weight.is_some() {
-            selection.open_what_is_visible(&work);
+            selection.open_what_is_visible(&renewed);
         }
-        held = work.hold_what_is_not_seen();
-        if let Some(ripple) = &ripple {
-            work.take_out(ripple);
-        }
-        work.add_again(terms);
-        work.refine_shapes();
+        held = renew(&mut work, renewed, ripple.as_ref());
         if weight.is_some() {
             held.retain(|which| !work.release(*which));
+        }
+        for _ in 0..SHAFT_ROUNDS {
+            // Torque constant and loss of the gear follow from each other.
+            let Some(shaft) = work.fitted_shaft().filter(|_| work.gear_loss() > 0.0) else { break };
+            corrections = Corrections { gear_loss: work.gear_loss(), shaft: Some(shaft), ..corrections };
+            held = renew(&mut work, model(&corrections)?, ripple.as_ref());
         }
         explain(&mut work, &mut selection, &mut stages);
     }
@@ -297,6 +302,18 @@ fn narrowed(bench: &Bench, target: Target, options: &Options, times: usize) -> O
     let found = artefacts::list(&work, &corrections);
     let model = Final::of(&work, &corrections, &held);
     Some(Identified { report: report::report(work, selection, stages, found, held), model: Some(model) })
+}
+
+/// Replaces the equation and keeps the terms. Returns what is held because the logs do not show it.
+fn renew<'b>(work: &mut Work<'b>, mut renewed: Work<'b>, ripple: Option<&Ripple>) -> Vec<Base> {
+    let held = renewed.hold_what_is_not_seen();
+    if let Some(ripple) = ripple {
+        renewed.take_out(ripple);
+    }
+    renewed.add_again(std::mem::take(&mut work.terms));
+    renewed.refine_shapes();
+    *work = renewed;
+    held
 }
 
 /// Adds effects and takes them back until nothing more is to be said with certainty.

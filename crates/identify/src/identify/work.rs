@@ -272,4 +272,22 @@ impl<'a> Work<'a> {
             (0..self.terms.len()).find(|t| self.terms[*t].effect().is_some_and(|(e, _)| Some(e) == of_efficiency()));
         term.map_or(0.0, |t| self.fit().solution.coefficients[self.offset(t)].clamp(0.0, 0.9))
     }
+
+    /// Torque constant and inertia of the motor as a torque sensor shows them. `None` on other equations, where the declared constant
+    /// agrees, and where a number that is held has no declared value.
+    pub fn fitted_shaft(&self) -> Option<[f64; 2]> {
+        const AGREES: f64 = 0.01;
+        if self.balance.target != Target::Torque {
+            return None;
+        }
+        let solution = self.fit().solution;
+        let both = |which: Base| {
+            let declared = self.balance.base.iter().find(|b| b.which == which)?.declared;
+            let term = (0..self.terms.len()).find(|t| self.is_base(*t, which));
+            Some((declared, term.map_or(declared, |t| Some(solution.coefficients[self.offset(t)]))?))
+        };
+        let ((declared, constant), (_, inertia)) = (both(Base::TorqueConstant)?, both(Base::Inertia)?);
+        let agrees = declared.is_some_and(|declared| (constant / declared - 1.0).abs() <= AGREES);
+        (!agrees).then_some([constant, inertia])
+    }
 }

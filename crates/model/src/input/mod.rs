@@ -41,7 +41,7 @@ pub enum Range {
     Fraction,
     /// Zero or more, less than one.
     Share,
-    /// One or more.
+    /// From one to 10⁶.
     AtLeastOne,
 }
 
@@ -54,7 +54,7 @@ impl Range {
             Range::NonNegative => value >= 0.0,
             Range::Fraction => (1e-6..=1.0).contains(&value),
             Range::Share => (0.0..1.0).contains(&value),
-            Range::AtLeastOne => value >= 1.0,
+            Range::AtLeastOne => (1.0..=1e6).contains(&value),
         }
     }
 
@@ -66,7 +66,7 @@ impl Range {
             Range::NonNegative => "a number that is not negative",
             Range::Fraction => "a number greater than 0 and at most 1",
             Range::Share => "a number from 0 to less than 1",
-            Range::AtLeastOne => "a number that is at least 1",
+            Range::AtLeastOne => "a number from 1 to 1e6",
         }
     }
 
@@ -78,7 +78,7 @@ impl Range {
             Range::NonNegative => "from zero",
             Range::Fraction => "above 0, at most 1",
             Range::Share => "0 or more, less than 1",
-            Range::AtLeastOne => "from 1",
+            Range::AtLeastOne => "from 1 to 1e6",
         }
     }
 

@@ -91,6 +91,14 @@ pub const LACKS: &[Lack] = &[
         prevents: "only the drive's current is checked: the magnets may bear less",
     },
     Lack {
+        name: "maximum speed",
+        columns: "max_speed, or voltage and no_load_speed",
+        is_lacking: |m| m.max_speed.is_none() && m.sheet.no_load_speed.is_none(),
+        estimate: None,
+        limits: &["max_speed"],
+        prevents: "a speed cannot be judged at a bus of more than the row's voltage",
+    },
+    Lack {
         name: "outer diameter",
         columns: "outer_diameter",
         is_lacking: |m| m.sheet.outer_diameter.is_none(),
@@ -193,7 +201,7 @@ mod tests {
         ("inductance [H]", "1e-3", &["inductance"]),
         ("pole_pairs", "7", &["pole pairs"]),
         ("peak_current [A]", "20", &["peak current"]),
-        ("max_speed [rad/s]", "2000", &[]),
+        ("max_speed [rad/s]", "2000", &["maximum speed"]),
         ("outer_diameter [m]", "0.05", &["outer diameter"]),
         ("length [m]", "0.03", &["axial length"]),
         ("price", "90", &["price and lead time"]),

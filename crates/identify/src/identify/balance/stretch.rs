@@ -28,6 +28,8 @@ pub struct Corrections {
     pub gear_loss: f64,
     /// A load that was fitted, where none is known: it is what the gear transmits.
     pub weight: Option<Weight>,
+    /// Torque constant and inertia of the motor as they were fitted; `None` for the declared ones.
+    pub shaft: Option<[f64; 2]>,
 }
 
 impl Corrections {
@@ -40,6 +42,7 @@ impl Corrections {
             signs: vec![Signs::DECLARED; logs],
             gear_loss: 0.0,
             weight: None,
+            shaft: None,
         }
     }
 }
@@ -133,6 +136,7 @@ pub(super) fn stretch(
         gain,
         gear_loss: corrections.gear_loss,
         weight: corrections.weight,
+        shaft: corrections.shaft,
         target_lag: corrections.target_lag,
         motion_lag: lag,
         has_motor,

@@ -79,6 +79,7 @@ pub(super) struct Seen<'a> {
     pub gain: f64,
     pub gear_loss: f64,
     pub weight: Option<Weight>,
+    pub shaft: Option<[f64; 2]>,
     pub target_lag: f64,
     pub motion_lag: f64,
     pub has_motor: bool,
@@ -122,7 +123,7 @@ impl Seen<'_> {
 
     /// Torque of the motor at its shaft, less what its own inertia takes.
     pub fn motor_torque(&self, current: &Signal) -> Signal {
-        let (constant, inertia) = (self.model.torque_constant, self.inertia());
+        let [constant, inertia] = self.shaft.unwrap_or_else(|| [self.model.torque_constant, self.inertia()]);
         current.with(&self.moved.motor_acceleration, |i, a| constant * i - inertia * a)
     }
 

@@ -114,7 +114,8 @@ pub fn rated(bench: &Bench, identified: &[Identified], log: &Log) -> Vec<Separat
     for (model, report) in identified.iter().filter_map(|i| Some((i.model.as_ref()?, &i.report))) {
         let work = model.work(bench);
         let alone = Bench { logs: vec![Log { usage: Use::Fit, ..log.clone() }], ..bench.clone() };
-        let corrections = Corrections { gear_loss: model.corrections.gear_loss, ..Corrections::none(1) };
+        let Corrections { gear_loss, shaft, .. } = model.corrections;
+        let corrections = Corrections { gear_loss, shaft, ..Corrections::none(1) };
         let setting = Setting { corrections, band: work.balance.band, rows: usize::MAX, samples: usize::MAX };
         let Some(balance) = Balance::new(&alone, work.balance.target, &setting) else { continue };
         for question in questions(&work, model, report).0 {
@@ -267,8 +268,8 @@ impl Run {
         let band = work.balance.band?;
         let step = self.step.max(1.0 / (SAMPLES * band));
         let bench = Bench { logs: vec![course.log(&self.like, step)], ..self.empty.clone() };
-        let gear_loss = model.corrections.gear_loss;
-        let corrections = Corrections { gear_loss, ..Corrections::none(1) };
+        let Corrections { gear_loss, shaft, .. } = model.corrections;
+        let corrections = Corrections { gear_loss, shaft, ..Corrections::none(1) };
         let setting = Setting { corrections, band: Some(band), rows: usize::MAX, samples: usize::MAX };
         Balance::new(&bench, work.balance.target, &setting)
     }
