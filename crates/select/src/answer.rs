@@ -237,6 +237,16 @@ pub enum Refused<'a> {
     Unjudged(Box<Unjudged<'a>>),
 }
 
+impl Refused<'_> {
+    /// True if the search for a ratio ended after its share of the work, before each was ruled out.
+    pub(super) fn is_ended(&self) -> bool {
+        matches!(self, Refused::Rejected(why) if matches!(
+            why.reason,
+            Reason::NotSolved(Unsolved::NothingRuledOut | Unsolved::Nearly { .. })
+        ))
+    }
+}
+
 impl<'a> Refused<'a> {
     /// A motor that cannot do it.
     pub fn rejected(rejected: Rejected<'a>) -> Refused<'a> {

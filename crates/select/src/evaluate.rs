@@ -343,7 +343,7 @@ impl<'a> Prepared<'a> {
     }
 
     /// How the cut of a mean at a ratio moves with the load along some directions, by the torque \[N·m\] that each adds to the samples of
-    /// the motion, with power flowing through the gear and drawn from the bus as it is there. Of motors whose iron does not saturate.
+    /// the motion, with power flowing through the gear and drawn from the bus as it is there.
     pub(super) fn mean_slopes(&self, quantity: Quantity, ratio: f64, along: &[Along]) -> Vec<Laurent> {
         let load = self.candidate.load;
         let value = |actuator: &Actuator, means: &Means| match quantity {
@@ -355,11 +355,17 @@ impl<'a> Prepared<'a> {
         let Some((_, end)) = ends.reduce(|a, b| if b.0 > a.0 { b } else { a }) else { return Vec::new() };
         let actuator = self.candidate.ends().nth(end).unwrap_or(&self.candidate.actuator);
         let drawn = || load.drawn_slopes(actuator, self.drawn(), ratio, along);
-        let conduction = actuator.conduction();
+        let copper: Vec<Laurent> = match actuator.shortfall.saturates() {
+            true => {
+                let slopes = load.current_squared_slopes(actuator, ratio, along);
+                slopes.into_iter().map(|slope| slope * actuator.resistance).collect()
+            }
+            false => along.iter().map(|of| of.squared[end] * actuator.heating()).collect(),
+        };
         match quantity {
-            Quantity::CopperLoss => along.iter().map(|of| of.squared[end] * actuator.heating()).collect(),
+            Quantity::CopperLoss => copper,
             Quantity::Loss if self.drawn().is_lossless() => {
-                along.iter().map(|of| of.squared[end] * (actuator.heating() + conduction) + of.gear).collect()
+                copper.iter().zip(along).map(|(copper, of)| *copper * actuator.with_leads() + of.gear).collect()
             }
             Quantity::Loss => {
                 // What is drawn, less what the motor makes of it, and what the gear takes.

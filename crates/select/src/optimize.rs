@@ -5,10 +5,9 @@ use std::sync::atomic::AtomicU64;
 use rayon::prelude::*;
 
 use super::agreement::kendall_tau;
-use super::answer::{Agreement, Design, JointResult, Reason, Refused, RobotResult, Sorted};
+use super::answer::{Agreement, Design, JointResult, Refused, RobotResult, Sorted};
 use super::mount::{JointDemand, Site};
 use super::options::{Options, Stop, Stopped};
-use super::program::Unsolved;
 use super::prune;
 use super::windings::best_wound;
 use gearwise_model::actuator::metrics::{METRICS, Shown};
@@ -101,10 +100,7 @@ fn solve_joint<'a>(
 fn has_ended(found: &Result<Design, Refused>) -> bool {
     match found {
         Ok(design) => design.optimum.certificate.is_ended(),
-        Err(Refused::Rejected(why)) => {
-            matches!(why.reason, Reason::NotSolved(Unsolved::NothingRuledOut | Unsolved::Nearly { .. }))
-        }
-        Err(Refused::Unjudged(_)) => false,
+        Err(why) => why.is_ended(),
     }
 }
 

@@ -113,6 +113,12 @@ impl Shortfall {
         self.saturation.is_some()
     }
 
+    /// The same without saturation, which takes no more current at any torque.
+    #[must_use]
+    pub fn unsaturated(self) -> Shortfall {
+        Shortfall { saturation: None, ..self }
+    }
+
     /// Largest torque of the iron at any current \[N·m\], where the slope of the saturation curve has fallen to a hundredth of the torque
     /// constant; `None` where it does not.
     pub fn largest_torque(&self) -> Option<f64> {

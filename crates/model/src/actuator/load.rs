@@ -642,11 +642,11 @@ impl Load {
     /// How [`Load::drawn_cut`] moves with the load along some directions.
     pub fn drawn_slopes(&self, actuator: &Actuator, drawn: Drawn, ratio: f64, along: &[Along]) -> Vec<Laurent> {
         let emf = actuator.back_emf_constant / actuator.torque_constant;
-        let heating = actuator.heating() * actuator.with_leads();
         let mut sums = vec![[0.0; 3]; along.len()];
         self.each_drawn(actuator, drawn, ratio, |k, weight, _, factor, _| {
             let sample = &self.samples[k];
             let [a, c, b] = actuator.torque_terms(sample.flow, &sample.features);
+            let heating = actuator.heat((a / ratio + c + b * ratio).powi(2)).1 * actuator.with_leads();
             let speed = emf * sample.features[Feature::Velocity as usize];
             let passed = actuator.torque_form(sample.flow)[Feature::Load] * weight * factor;
             for (sum, of) in sums.iter_mut().zip(along) {
@@ -705,20 +705,41 @@ impl Load {
         }
     }
 
+    /// How [`Load::mean_current_squared_cut`] moves with the load along some directions, without standstill counted once more.
+    pub fn current_squared_slopes(&self, actuator: &Actuator, ratio: f64, along: &[Along]) -> Vec<Laurent> {
+        let slopes: Vec<f64> =
+            self.currents_squared(actuator, 0.0, ratio).map(|(share, [_, slope])| share * slope).collect();
+        along.iter().map(|of| self.squared_along(actuator, &slopes, of.torque)).collect()
+    }
+
+    /// How the sum of the squared torques at the shaft, with weights, moves with the load along a direction.
+    fn squared_along(&self, actuator: &Actuator, weights: &[f64], torque: &[f64]) -> Laurent {
+        let mut sums = [0.0; 3];
+        for (sample, weight) in self.samples.iter().zip(weights) {
+            let [a, c, b] = actuator.torque_terms(sample.flow, &sample.features);
+            let moved = 2.0 * weight * actuator.torque_form(sample.flow)[Feature::Load] * torque[sample.origin];
+            for (sum, term) in sums.iter_mut().zip([a, c, b]) {
+                *sum += moved * term;
+            }
+        }
+        Laurent::monomial(sums[0], -2) + Laurent::monomial(sums[1], -1) + Laurent::constant(sums[2])
+    }
+
+    /// The largest derivative of the copper heat by the squared torque at a ratio, over that without saturation.
+    pub fn steepest_heat(&self, actuator: &Actuator, ratio: f64) -> f64 {
+        if !actuator.shortfall.saturates() {
+            return 1.0;
+        }
+        let plain = actuator.heating();
+        self.currents_squared(actuator, 0.0, ratio)
+            .map(|(_, [_, slope])| actuator.resistance * slope / plain)
+            .fold(1.0, f64::max)
+    }
+
     /// A direction of the load: so much torque \[N·m\] at each sample of the motion for one unit, and what means of an actuator at both
     /// ends of its drag do along it.
     pub fn along<'d>(&self, [actuator, other]: [&Actuator; 2], torque: &'d [f64]) -> Along<'d> {
-        let squared = |actuator: &Actuator, weights: &[f64]| {
-            let mut sums = [0.0; 3];
-            for (sample, weight) in self.samples.iter().zip(weights) {
-                let [a, c, b] = actuator.torque_terms(sample.flow, &sample.features);
-                let moved = 2.0 * weight * actuator.torque_form(sample.flow)[Feature::Load] * torque[sample.origin];
-                for (sum, term) in sums.iter_mut().zip([a, c, b]) {
-                    *sum += moved * term;
-                }
-            }
-            Laurent::monomial(sums[0], -2) + Laurent::monomial(sums[1], -1) + Laurent::constant(sums[2])
-        };
+        let squared = |actuator: &Actuator, weights: &[f64]| self.squared_along(actuator, weights, torque);
         let passed = |sample: &WavePoint| actuator.torque_form(sample.flow)[Feature::Load];
         let power = |of: &dyn Fn(&WavePoint) -> f64| -> f64 {
             let speed = |sample: &WavePoint| sample.features[Feature::Velocity as usize];

@@ -371,6 +371,12 @@ impl Actuator {
         actuator
     }
 
+    /// The same as if its iron did not saturate: it draws no more current or power at any torque.
+    #[must_use]
+    pub fn unsaturated(&self) -> Actuator {
+        Actuator { shortfall: self.shortfall.unsaturated(), ..*self }
+    }
+
     /// Copper loss per squared torque in the mean \[W/(N·m)²\]: with what ripple in proportion to current adds.
     pub fn heating(&self) -> f64 {
         self.copper() * self.shortfall.heat_factor()

@@ -94,6 +94,8 @@ pub enum NotProved {
     Ended {
         /// No ratio is better by more than this (relative); `None` where that is not known.
         gap: Option<f64>,
+        /// The objective is nowhere below this; `None` where that is not known.
+        lower_bound: Option<f64>,
     },
     /// The bounds did not meet, or there are none.
     Because(Cow<'static, str>),
@@ -115,26 +117,29 @@ impl fmt::Display for NotProved {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let ended = "the search ended after its share of the work";
         match self {
-            NotProved::Ended { gap: Some(gap) } => {
+            NotProved::Ended { gap: Some(gap), .. } => {
                 write!(f, "{ended}; no ratio is better by more than {} %", gearwise_model::words::number(100.0 * gap))
             }
-            NotProved::Ended { gap: None } => write!(f, "{ended}; how much better another ratio may be is not known"),
+            NotProved::Ended { gap: None, .. } => {
+                write!(f, "{ended}; how much better another ratio may be is not known")
+            }
             NotProved::Because(why) => f.write_str(why),
         }
     }
 }
 
 impl Certificate {
-    /// The certificate of a program that did its share of the work before its bounds met, at a relative gap.
-    pub(super) fn ended(gap: f64) -> Certificate {
-        Certificate::NotCertified(NotProved::Ended { gap: gap.is_finite().then_some(gap) })
+    /// The certificate of a program that did its share of the work before its bounds met, at a relative gap and a bound of the objective.
+    pub(super) fn ended(gap: f64, lower_bound: f64) -> Certificate {
+        let [gap, lower_bound] = [gap, lower_bound].map(|number| number.is_finite().then_some(number));
+        Certificate::NotCertified(NotProved::Ended { gap, lower_bound })
     }
 
     /// Relative gap between the objective and the least that it may be, where that is known.
     pub fn gap(&self) -> Option<f64> {
         match self {
             Certificate::Certified { gap, .. } => Some(*gap),
-            Certificate::NotCertified(NotProved::Ended { gap }) => *gap,
+            Certificate::NotCertified(NotProved::Ended { gap, .. }) => *gap,
             Certificate::NotCertified(NotProved::Because(_)) => None,
         }
     }
@@ -149,6 +154,10 @@ impl Certificate {
         match self {
             Certificate::Certified { .. } => {
                 Certificate::Certified { lower_bound: mass, gap: 0.0, method: "mass does not fall with the ratio" }
+            }
+            // The bound is that of a ratio.
+            Certificate::NotCertified(NotProved::Ended { gap, .. }) => {
+                Certificate::NotCertified(NotProved::Ended { gap, lower_bound: None })
             }
             not => not,
         }

@@ -91,7 +91,7 @@ pub(super) fn solve(program: &RatioProgram, why: &'static str) -> Outcome {
     let certificate = if is_proof(finished || work::is_spent(), gap) {
         Certificate::Certified { lower_bound: search.goal.natural(bound.min(value)), gap, method: "branch and bound" }
     } else if work::is_spent() {
-        Certificate::ended(gap)
+        Certificate::ended(gap, search.goal.natural(bound.min(value)))
     } else {
         Certificate::NotCertified(why.into())
     };

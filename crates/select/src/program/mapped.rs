@@ -181,7 +181,9 @@ pub(super) fn solve_standing(program: &RatioProgram) -> Outcome {
             let safe = at(from).0;
             let outcome = match (outcome, safe) {
                 (Err(Refusal::Infeasible(why)), _) => Err(Refusal::Infeasible(why)),
-                (_, Ok(safe)) => Ok(Optimum { certificate: Certificate::ended(f64::INFINITY), ..safe }),
+                (_, Ok(safe)) => {
+                    Ok(Optimum { certificate: Certificate::ended(f64::INFINITY, f64::NEG_INFINITY), ..safe })
+                }
                 _ => Err(Refusal::NotSolved(Unsolved::NothingRuledOut)),
             };
             solved.push(Solved { outcome, span, bound, piece: (from, to) });
@@ -525,7 +527,7 @@ fn certificate(best: &Optimum, solved: &[Solved], cut: &Cut) -> Certificate {
             let gap = ((value - bound) / value.abs()).max(0.0);
             return match gap <= GAP_TOLERANCE {
                 true => Certificate::Certified { lower_bound: bound.min(value), gap, method: cut.method },
-                false => Certificate::ended(gap),
+                false => Certificate::ended(gap, bound.min(value)),
             };
         }
         not => return not.clone(),

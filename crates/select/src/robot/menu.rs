@@ -2,6 +2,7 @@
 //! stages that keeps the joint's own limits, each with its best ratio and the proof of it.
 
 use std::sync::Arc;
+use std::sync::atomic::AtomicU64;
 
 use rayon::prelude::*;
 
@@ -10,7 +11,7 @@ use crate::best::best_design;
 use crate::judge;
 use crate::mount::{JointDemand, Mount, Site};
 use crate::options::Stop;
-use crate::program::Certificate;
+use crate::program::{Certificate, NotProved};
 use crate::solved::{design, one_gear};
 use gearwise_model::actuator::limits::Remark;
 use gearwise_model::catalog::{Catalog, Gear};
@@ -55,24 +56,30 @@ pub(super) struct Needs {
 /// The menu of a joint; `carrying` is the joint with the torque of what it carries.
 pub(super) fn menu<'a>(robot: &'a Robot, carrying: &Joint, catalog: &'a Catalog, needs: Needs, stop: Stop) -> Menu<'a> {
     let demand = JointDemand::new(carrying, catalog);
-    let site = Site::new(robot, carrying, &demand).stopping(stop);
+    let done = AtomicU64::new(0);
+    let site = Site::new(robot, carrying, &demand).stopping(stop.adding(&done));
     let pieces = pieces(carrying, needs);
-    let found: Vec<Made> = (0..catalog.motors.len())
-        .into_par_iter()
-        .map(|motor| {
-            let (row, mut made) = (&catalog.motors[motor], Made::default());
-            match () {
-                // What is found is no answer any more.
-                () if stop.now() || carrying.motors.pass_over(row) => {}
-                () if !site.is_geared_with(row) => {
-                    pieces.iter().for_each(|piece| made.continuous(site, piece, catalog, motor, needs));
-                }
-                () if carrying.limits.spring.is_some() => made.sprung(site, catalog, motor, needs),
-                () => site.mounts(row).for_each(|mount| made.geared(&mount, catalog, motor, needs)),
+    let of = |site: Site, motor: usize| {
+        let (row, mut made) = (&catalog.motors[motor], Made::default());
+        match () {
+            // What is found is no answer any more.
+            () if stop.now() || carrying.motors.pass_over(row) => {}
+            () if !site.is_geared_with(row) => {
+                pieces.iter().for_each(|piece| made.continuous(site, piece, catalog, motor, needs));
             }
-            made
-        })
-        .collect();
+            () if carrying.limits.spring.is_some() => made.sprung(site, catalog, motor, needs),
+            () => site.mounts(row).for_each(|mount| made.geared(&mount, catalog, motor, needs)),
+        }
+        made
+    };
+    let motors = catalog.motors.len();
+    let mut found: Vec<Made> = (0..motors).into_par_iter().map(|motor| of(site, motor)).collect();
+    // Motors whose search ended get the work that the others left over.
+    let ended: Vec<usize> = (0..motors).filter(|motor| found[*motor].is_ended).collect();
+    if let Some(longer) = site.stop.again(motors, ended.len()).filter(|_| !ended.is_empty()) {
+        let again: Vec<Made> = ended.par_iter().map(|motor| of(Site { stop: longer, ..site }, *motor)).collect();
+        ended.into_iter().zip(again).for_each(|(motor, again)| found[motor] = again);
+    }
     let mut menu = Menu::default();
     for (motor, made) in found.into_iter().enumerate() {
         // A motor with a gear or number of stages that can be judged is a choice.
@@ -118,6 +125,8 @@ pub(super) struct Made<'a> {
     /// What keeps some design of it from being judged.
     pub unjudged: Vec<Remark>,
     pub unproved: bool,
+    /// True if a search ended after its share of the work.
+    pub is_ended: bool,
 }
 
 /// The joint for each number of gear stages, where the mass decides; for each listed ratio, where it may leave its best;
@@ -215,7 +224,13 @@ impl<'a> Made<'a> {
         }
         let lower = match found.optimum.certificate {
             Certificate::Certified { lower_bound, .. } => lower_bound.min(found.optimum.objective),
-            Certificate::NotCertified(_) => {
+            // What is known of the best is a bound, even where the search for it ended.
+            Certificate::NotCertified(NotProved::Ended { lower_bound: Some(bound), .. }) => {
+                self.is_ended = true;
+                bound.min(found.optimum.objective)
+            }
+            Certificate::NotCertified(ref why) => {
+                self.is_ended |= matches!(why, NotProved::Ended { .. });
                 self.unproved = true;
                 found.optimum.objective
             }
@@ -226,6 +241,7 @@ impl<'a> Made<'a> {
 
     /// Notes why there is no item.
     fn refuse(&mut self, why: Refused) {
+        self.is_ended |= why.is_ended();
         match why {
             Refused::Rejected(why) => self.unproved |= matches!(why.reason, Reason::NotSolved(_)),
             Refused::Unjudged(why) => self.doubt(why.because),

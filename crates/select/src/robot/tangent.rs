@@ -93,7 +93,8 @@ impl<'t> Tangent<'t> {
             None => prepared,
         };
         let candidate = &prepared.candidate;
-        let unknown = candidate.ends().any(|end| end.shortfall.saturates())
+        let saturates = candidate.ends().any(|end| end.shortfall.saturates());
+        let unknown = saturates && objective.weight(Quantity::PeakPower) > 0.0
             || candidate.has_evaluated_effects()
             || candidate.whole_map().is_some()
             || candidate.joint.limits.spring.is_some()
@@ -132,17 +133,18 @@ impl<'t> Tangent<'t> {
         for (sample, price) in power {
             let wave = &candidate.load.waveform;
             let points = wave.of_sample(*sample).iter().map(|k| wave.point(*k));
-            let all = points.flat_map(|point| candidate.ends().enumerate().map(move |(end, of)| (point, end, of)));
-            let here = |(point, end, of): (WavePoint, usize, &Actuator)| {
-                let power = Functional::Power.polynomial(of, &point, middle);
+            let ends = || candidate.ends().map(Actuator::unsaturated).enumerate();
+            let all = points.flat_map(|point| ends().map(move |(end, of)| (point, end, of)));
+            let here = |(point, end, of): (WavePoint, usize, Actuator)| {
+                let power = Functional::Power.polynomial(&of, &point, middle);
                 (power.at(middle), power, point, end)
             };
             let worst = all.map(here).reduce(|a, b| if b.0 > a.0 { b } else { a });
             let Some((watts, power, point, end)) = worst else { continue };
             // What is drawn is convex in the power: this line is below it whatever the power is.
             let factor = drawn.per_power(watts);
-            let actuator = candidate.ends().nth(end).unwrap_or(&candidate.actuator);
-            let of = |point: &WavePoint| Functional::Power.polynomial(actuator, point, middle) * factor;
+            let actuator = candidate.ends().nth(end).unwrap_or(&candidate.actuator).unsaturated();
+            let of = |point: &WavePoint| Functional::Power.polynomial(&actuator, point, middle) * factor;
             let value = power * factor + Laurent::constant(standby);
             let slopes = self.by_mass(self.of_point(&point, of));
             priced.plane.count(&Plane { value, slopes }, *price);
@@ -154,7 +156,7 @@ impl<'t> Tangent<'t> {
 
     /// The same with a price on the limit that ends the ratios at the best one of this load.
     pub(super) fn with_price(mut self, ratio: f64, limit: &str) -> Tangent<'t> {
-        let same = |asked: &&(usize, &Asked)| asked.1.limit.name == limit && may_be_priced(asked.1);
+        let same = |asked: &&(usize, &Asked)| asked.1.limit.name == limit && self.may_be_priced(asked.1);
         let all = self.prepared.asked.iter().enumerate();
         let raw = |asked: &Asked| asked.raw_demand(&self.prepared.candidate, ratio).0;
         let worst = all.filter(|a| same(&a)).max_by(|a, b| raw(a.1).total_cmp(&raw(b.1)));
@@ -289,11 +291,11 @@ impl<'t> Tangent<'t> {
         candidate.ends().map(of_end).fold((0.0, 0.0), |most: (f64, f64), of| (most.0.max(of.0), most.1.max(of.1)))
     }
 
-    /// By how much the objective may be below that with power flowing as it does, for what [`Tangent::turning`] gives.
-    fn lowered(&self, (squared, power): (f64, f64)) -> f64 {
+    /// By how much the objective's cut at a ratio may be below that with power flowing as it does, for what [`Tangent::turning`] gives.
+    fn lowered(&self, (squared, power): (f64, f64), ratio: f64) -> f64 {
         let candidate = &self.prepared.candidate;
         let of_end = |actuator: &Actuator| {
-            let heating = actuator.heating();
+            let heating = actuator.heating() * candidate.load.steepest_heat(actuator, ratio);
             let taken = Drawn::new(&candidate.robot.bus).per_power(1.0).max(1.0);
             let drawn = (heating * actuator.with_leads() + actuator.conduction()) * taken;
             let weight = |quantity| self.objective.weight(quantity);
@@ -404,7 +406,7 @@ impl<'t> Tangent<'t> {
             true => self.goal(&self.calm, middle, &[]),
             false => self.goal(self.objective, middle, &peaks),
         };
-        let mut lowered = self.lowered(turning);
+        let mut lowered = self.lowered(turning, middle);
         // What steps with the ratio rises with it.
         let steps = self.program(self.objective).objective_cut(ratios.0).1;
         plane.value = plane.value + Laurent::constant(steps);
@@ -432,6 +434,24 @@ impl<'t> Tangent<'t> {
         Piece { ratios, bound: bound - lowered, value: value - lowered }
     }
 
+    /// True if a limit is convex in the load at every ratio, and as a parabola.
+    fn may_be_priced(&self, asked: &Asked) -> bool {
+        let parabola = match asked.demand {
+            Demand::Samples(functional) | Demand::Bandwidth(functional) => {
+                matches!(
+                    functional,
+                    Functional::TorqueSquared
+                        | Functional::CurrentSquared
+                        | Functional::VoltageSquared
+                        | Functional::Power
+                ) && !functional.touches(self.prepared.candidate.end(asked.end))
+            }
+            Demand::Polynomial(..) => true,
+            _ => false,
+        };
+        parabola && asked.limit.class == Class::Convex
+    }
+
     /// Whether a limit is exceeded all over a piece by all loads.
     fn is_beyond_a_limit(&self, ratios: (f64, f64), middle: f64, turning: f64, over: Over) -> bool {
         let share = self.prepared.candidate.load.share_of_time;
@@ -448,7 +468,7 @@ impl<'t> Tangent<'t> {
             let nothing = vec![0.0; over.prices.len()];
             row.least(ratios, middle, over.masses, &nothing).0 - lowered > bound
         };
-        let convex = self.prepared.asked.iter().enumerate().filter(|(_, asked)| may_be_priced(asked));
+        let convex = self.prepared.asked.iter().enumerate().filter(|(_, asked)| self.may_be_priced(asked));
         convex.into_iter().any(|(index, asked)| beyond(index, asked))
     }
 }
@@ -513,19 +533,6 @@ fn upper_end(asked: &Asked) -> Option<f64> {
         }
         _ => None,
     }
-}
-
-/// Whether a limit is convex in the load at every ratio, and as a parabola.
-fn may_be_priced(asked: &Asked) -> bool {
-    let parabola = match asked.demand {
-        Demand::Samples(functional) | Demand::Bandwidth(functional) => matches!(
-            functional,
-            Functional::TorqueSquared | Functional::CurrentSquared | Functional::VoltageSquared | Functional::Power
-        ),
-        Demand::Polynomial(..) => true,
-        _ => false,
-    };
-    parabola && asked.limit.class == Class::Convex
 }
 
 /// Whether the gear asks the motor for more where it drives: only then is the torque convex in the load.

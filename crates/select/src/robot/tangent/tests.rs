@@ -8,7 +8,7 @@ use crate::best::best_design;
 use crate::mount::{JointDemand, Site};
 use crate::robot::carry;
 use crate::robot::power::Profile;
-use gearwise_model::catalog::Catalog;
+use gearwise_model::catalog::{Catalog, Motor};
 use gearwise_model::input::Source;
 use gearwise_model::requirement::{Robot, read_source};
 
@@ -81,8 +81,10 @@ fn a_tangent_is_below_the_best_at_every_load_of_its_box() {
         "{ copper_loss = 0.3, reflected_inertia = 2.0 }\nreference = { copper_loss = \"1 W\", reflected_inertia = \"1 kg*m^2\" }",
         "{ loss = 0.3, peak_current = 1.0, mass = 2.0 }\nreference = { loss = \"1 W\", peak_current = \"1 A\", mass = \"1 kg\" }",
     ];
-    let (mut looked, mut near, mut flips, mut priced, mut none) = (0, 0, 0, 0, 0);
-    for case in 0..560 {
+    let motors: Vec<&Motor> = catalog.motors.iter().collect();
+    let saturating: Vec<&Motor> = motors.iter().copied().filter(|m| m.saturation_current().is_some()).collect();
+    let (mut looked, mut near, mut flips, mut priced, mut none, mut bent) = (0, 0, 0, 0, 0, 0);
+    for case in 0..760 {
         let robot = robot(&mut random, objectives[case % objectives.len()]);
         let joint = &robot.joints[0];
         let directions = carry::directions_of(joint);
@@ -92,7 +94,8 @@ fn a_tangent_is_below_the_best_at_every_load_of_its_box() {
         let at = |mass: f64| carry::loaded(joint, &carry::coordinates(joint, |_| mass));
         let center = at(from);
         let demand = JointDemand::new(&center, &catalog);
-        let motor = &catalog.motors[random.random_range(0..catalog.motors.len())];
+        let all = if case % 4 == 3 { &saturating } else { &motors };
+        let motor = all[random.random_range(0..all.len())];
         let site = Site::new(&robot, &center, &demand);
         let range = center.ratio.range().unwrap();
         let Some(tangent) = Tangent::new(site.direct(motor), &directions, &center.objective, range) else {
@@ -127,12 +130,13 @@ fn a_tangent_is_below_the_best_at_every_load_of_its_box() {
             assert!(bound <= least + 1e-8 * size, "case {case}, {}: {bound} at +{moved}: {least}", motor.id);
             looked += 1;
             near += usize::from(least - bound < 0.02 * size);
+            bent += usize::from(least - bound < 0.02 * size && motor.saturation_current().is_some());
         }
     }
     println!(
-        "{looked} loads, {none} infeasible; {near} within 2 % of the bound, {flips} with a flip, {priced} bounds with a price"
+        "{looked} loads, {none} infeasible; {near} within 2 % of the bound, {bent} of them saturated, {flips} with a flip, {priced} bounds with a price"
     );
-    assert!(looked > 500 && near > 100 && flips > 100 && priced > 5 && none > 100);
+    assert!(looked > 500 && near > 100 && bent > 20 && flips > 100 && priced > 5 && none > 100);
 }
 
 /// With prices on the power of some samples, too: at any masses in the box and any ratio that keeps the limits.
@@ -140,8 +144,10 @@ fn a_tangent_is_below_the_best_at_every_load_of_its_box() {
 fn with_priced_power_a_tangent_is_below_all_ratios_at_every_load_of_its_box() {
     let catalog = Catalog::builtin().unwrap();
     let mut random = Pcg64::seed_from_u64(11);
+    let motors: Vec<&Motor> = catalog.motors.iter().collect();
+    let saturating: Vec<&Motor> = motors.iter().copied().filter(|m| m.saturation_current().is_some()).collect();
     let (mut looked, mut near, mut flips) = (0, 0, 0);
-    for case in 0..240 {
+    for case in 0..300 {
         let robot = robot(&mut random, ["\"loss\"", "\"copper_loss\"", "\"mass\""][case % 3]);
         let joint = &robot.joints[0];
         let directions = carry::directions_of(joint);
@@ -153,7 +159,8 @@ fn with_priced_power_a_tangent_is_below_all_ratios_at_every_load_of_its_box() {
         let at = |mass: f64| carry::loaded(joint, &carry::coordinates(joint, |_| mass));
         let center = at(from);
         let demand = JointDemand::new(&center, &catalog);
-        let motor = &catalog.motors[random.random_range(0..catalog.motors.len())];
+        let all = if case % 5 == 4 { &saturating } else { &motors };
+        let motor = all[random.random_range(0..all.len())];
         let range = center.ratio.range().unwrap();
         let site = Site::new(&robot, &center, &demand);
         let Some(tangent) = Tangent::new(site.direct(motor), &directions, &center.objective, range) else { continue };
