@@ -85,7 +85,16 @@ impl Ruled {
             return Ok(Vec::new());
         };
         let make = |(of, design): (&JointResult, &&Design)| made_again(result.robot, of.joint, ground.1, design);
-        let made = result.joints.iter().zip(&designs).map(make).collect();
+        let made: Vec<Option<Made>> = result.joints.iter().zip(&designs).map(make).collect();
+        // Rules judge the ratios that are written.
+        let written: Vec<String> = designs
+            .iter()
+            .zip(&made)
+            .map(|(design, made)| match made.as_ref().filter(|made| made.ratio != design.evaluation.ratio) {
+                Some(made) => format!("{} at N = {}, which can be built,", design.motor.id, number(made.ratio)),
+                None => named(design),
+            })
+            .collect();
         let text = ruled.text(result, "First choices", designs.clone(), made, names, path);
         let none = |why: String| Ok(vec![format!("`--write-design` would write no design: {why}")]);
         let broken = match ruled.broken(&text.toml, path, ground, rules, names) {
@@ -98,10 +107,10 @@ impl Ruled {
         if let Err(why) = ruled.keep(&mut other, names, ground, Some(path)) {
             return none(why);
         }
-        let line = |((of, design), other): ((&JointResult, &Design), &JointResult)| {
+        let line = |(((of, design), written), other): (((&JointResult, &Design), &String), &JointResult)| {
             let name = &of.joint.name;
             let rule = broken.iter().find(|(joint, _)| joint.as_ref() == Some(name)).map(|(_, why)| why.as_str());
-            let because = rule.map_or_else(String::new, |why| format!(" {} violates rule {why}.", named(design)));
+            let because = rule.map_or_else(String::new, |why| format!(" {written} violates rule {why}."));
             let Some(kept) = other.candidates.first() else {
                 return Some(format!(
                     "{name}: `--write-design` would write no design.{because} `--no-rules` writes it."
@@ -115,7 +124,7 @@ impl Ruled {
             let figures = format!("{mass}{} W", number(kept.evaluation.loss));
             Some(format!("{name}: `--write-design` would write {} ({figures}) instead.{because}", named(kept)))
         };
-        Ok(result.joints.iter().zip(designs).zip(&other.joints).filter_map(line).collect())
+        Ok(result.joints.iter().zip(designs).zip(&written).zip(&other.joints).filter_map(line).collect())
     }
 
     /// Sentences for a whole robot whose best combination is another with `--write-design`: the combination that would be written, and the

@@ -60,9 +60,9 @@ pub fn reason_text(reason: &Reason, joint: &Joint) -> (String, String) {
             ),
         ),
         Reason::Infeasible(Infeasible::Nowhere { bind, least, allowed, ratio }) => (
-            format!("{} is exceeded at every ratio", bind.limit),
+            format!("no ratio keeps all limits together; at the nearest {} is exceeded", bind.limit),
             format!(
-                "{} is {} at the ratio that comes nearest, N = {}",
+                "no ratio keeps all limits together: {} is {} at the nearest, N = {}",
                 bind_text(bind, joint),
                 by(*least, *allowed),
                 number(*ratio)

@@ -65,6 +65,11 @@ impl<'a, T> Selection<'a, T> {
         }
     }
 
+    /// True if the best that can be judged is no worse than a mount of this key would be.
+    pub(super) fn is_led_by_better(&self, key: Key) -> bool {
+        self.best[0].as_ref().is_some_and(|(least, _)| *least <= key)
+    }
+
     /// A gear that exceeds limits, by its smallest margin.
     pub(super) fn exceeds(&mut self, gear: &'a str, margin: Option<&Margin>) {
         self.tried += 1;

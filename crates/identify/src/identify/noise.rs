@@ -203,10 +203,16 @@ impl Spectrum<'_> {
     }
 }
 
-/// The frequency of the highest bin, where it stands out of the median.
+/// Bins on either side of a line that it leaks into, and beyond them those that it has to stand out of.
+const BESIDE: (usize, usize) = (2, 8);
+
+/// The frequency of the highest bin, where it stands out of the median of all bins and of that of its neighbours: the top of a broad hump
+/// is no line.
 fn line_in(bins: &[(f64, f64)], times: f64) -> Option<f64> {
-    let usual = signals::median(bins.iter().map(|b| b.1).collect())?;
-    let highest = bins.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let median = |bins: &mut dyn Iterator<Item = &(f64, f64)>| signals::median(bins.map(|b| b.1).collect());
+    let (place, highest) = bins.iter().enumerate().max_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
+    let near = bins.iter().enumerate().filter(|(k, _)| (BESIDE.0 + 1..=BESIDE.1).contains(&k.abs_diff(place)));
+    let usual = median(&mut bins.iter())?.max(median(&mut near.map(|(_, bin)| bin)).unwrap_or(0.0));
     (highest.1 > times * usual).then_some(highest.0)
 }
 

@@ -1,6 +1,7 @@
 //! What the search asks of a robot: menus made once, or when a load is known; combinations solved.
 
 use std::collections::{BTreeMap, HashMap};
+use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, OnceLock};
 
 use rayon::prelude::*;
@@ -40,6 +41,8 @@ const TABLES: usize = 4;
 
 /// Steps of [`Work`] that a design of a joint takes under a load, and a bound of it at prices.
 const DESIGN: usize = 3000;
+/// Steps of programs that take as long as one of [`Work`].
+const OF_PROGRAMS: usize = 200;
 const PRICED: usize = 300;
 
 /// Told at each branch of a search.
@@ -253,12 +256,13 @@ impl<'a> Context<'a> {
             let carrying = self.carrying(joint, coordinates);
             let (robot, catalog, needs, stop) = (self.robot, self.catalog, self.needs[joint], self.stop);
             let all = &self.ways[joint];
+            let done = AtomicU64::new(0);
             let of = |way: &usize| {
-                let site = Site::new(robot, &carrying.joint, &carrying.demand).stopping(stop);
+                let site = Site::new(robot, &carrying.joint, &carrying.demand).stopping(stop.adding(&done));
                 made(site, catalog, needs, all[*way].build)
             };
-            self.work.count(new.len() * DESIGN);
             let made: Vec<_> = new.par_iter().map(of).collect();
+            self.work.count((new.len() * DESIGN).max(done.into_inner() as usize / OF_PROGRAMS));
             for (way, made) in new.iter().zip(made) {
                 self.unproved.extend(made.unproved.then_some(self.ways[joint][*way].build.motor));
                 self.exact.insert(key(*way), made.items.into_iter().next());

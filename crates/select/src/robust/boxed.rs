@@ -9,7 +9,7 @@ use crate::evaluate::{Evaluation, FEASIBILITY_TOLERANCE, Judged, Margin, Prepare
 use crate::judge::{self, Doubts};
 use crate::mount::{Mount, Site};
 use crate::program::{Certificate, Limited, Optimum, RatioProgram, Unsolved};
-use crate::selection::Selection;
+use crate::selection::{Key, Selection};
 use crate::solved::{Tried, best_listed, one_gear, tried};
 use gearwise_model::actuator::limits::Remark;
 use gearwise_model::catalog::Motor;
@@ -115,7 +115,23 @@ impl<'a> Over<'a, '_> {
     fn gears(self) -> Result<RobustDesign<'a>, Reason> {
         let Over { site, nominal, all, only_checked } = self;
         let mut gears: Selection<(&'a str, RobustDesign<'a>)> = Selection::new(nominal.motor);
-        for mount in site.mounts(nominal.motor) {
+        // The objective of a gear is that of the printed numbers: from the best gear on, the first that keeps all limits is the best.
+        let key = |mount: &Mount| {
+            let (gear, prepared) = (mount.gear?, mount.prepared().ok()?);
+            let here = prepared.at(gear.ratio);
+            Some((here.objective(&site.joint.objective)?, here.loss))
+        };
+        let mut mounts: Vec<(Option<Key>, Mount)> =
+            site.mounts(nominal.motor).map(|mount| (key(&mount), mount)).collect();
+        let order = |key: Option<Key>| key.unwrap_or((f64::INFINITY, f64::INFINITY));
+        mounts.sort_by(|(a, _), (b, _)| {
+            let ((a, of_a), (b, of_b)) = (order(*a), order(*b));
+            a.total_cmp(&b).then(of_a.total_cmp(&of_b))
+        });
+        for (key, mount) in mounts {
+            if key.is_some_and(|key| gears.is_led_by_better(key)) {
+                break;
+            }
             let Some(gear) = mount.gear else { continue };
             let Ok(start) = Start::new(mount, all, (gear.ratio, gear.ratio), only_checked) else { continue };
             let mut corners = start.corners.clone();
@@ -131,8 +147,7 @@ impl<'a> Over<'a, '_> {
                     gears.exceeds(&gear.id, Some(&margin));
                     break;
                 }
-                let here = boxed.nominal.at(gear.ratio);
-                let Some(objective) = here.objective(&site.joint.objective) else {
+                let Some((objective, loss)) = key else {
                     gears.passed();
                     break;
                 };
@@ -146,7 +161,7 @@ impl<'a> Over<'a, '_> {
                 let mut optimum = one_gear(gear.ratio, objective, "all gears evaluated");
                 told(&verified, &mut optimum);
                 let design = boxed.design(nominal, Some(&gear.id), optimum, verified);
-                gears.take(false, (objective, here.loss), (&gear.id, design));
+                gears.take(false, (objective, loss), (&gear.id, design));
                 break;
             }
         }

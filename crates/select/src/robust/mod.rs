@@ -128,7 +128,7 @@ pub fn robust<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options) -> R
 }
 
 /// Steps of [`work`](gearwise_model::numerics::work) for the proofs of a robot: about 40 s of one core.
-const PROOF_STEPS: u64 = 10_000_000_000;
+const PROOF_STEPS: u64 = 4_500_000_000;
 
 /// Number of designs that share the remaining steps equally. Designs come least nominal objective first, which bounds the objective over
 /// the tolerances from below, so that those that may be the first choice are proven first.

@@ -264,8 +264,8 @@ impl Section<'_> {
     ) -> Option<f64> {
         match units::quantity(text, kind) {
             Ok(number) => {
-                let number = self.in_range(number, value.span(), key, range)?;
-                self.in_bounds(number, value.span(), key, kind)
+                let number = self.in_bounds(number, value.span(), key, kind)?;
+                self.in_range(number, value.span(), key, range)
             }
             Err(error) => {
                 let help = words.meant(text).map(|near| format!("did you mean `{near}`?"));
