@@ -189,6 +189,51 @@ fn a_wrong_torque_constant_scales_no_other_number() {
     }
 }
 
+/// A torque sensor shows the torque constant. The factor of friction that grows with the load refers to the torque of that constant.
+#[test]
+fn the_load_dependent_friction_of_a_dynamometer_follows_the_fitted_torque_constant() {
+    let log = |machine: Machine, seed: u64| {
+        let (angle, torque) = (sines(seed, 1.0), sines(seed + 50, 1.5));
+        let mut random = Random::new(seed, "instruments");
+        let mut text = "t,q,i,tau\n".to_string();
+        let step = 1e-4;
+        for k in 0..10_000 {
+            let t = 4e-3 * f64::from(k);
+            let (before, now, after) = (angle(t - step), angle(t), angle(t + step));
+            let (speed, acceleration) = ((after - before) / (2.0 * step), (after - 2.0 * now + before) / (step * step));
+            let current = torque(1.7 * t) / TORQUE_CONSTANT;
+            let rest = machine.torque_constant * current
+                - ROTOR * RATIO * acceleration
+                - Machine { load_friction: 0.0, ..machine }.friction(RATIO * speed, 0.0);
+            let way = (RATIO * speed / 0.02).clamp(-1.0, 1.0);
+            let transmitted = rest / (1.0 + machine.load_friction * way * rest.signum());
+            let [angle, current] = [now + 1e-5 * random.normal(), current + 0.02 * random.normal()];
+            let _ =
+                writeln!(text, "{t:.4},{angle:.6},{current:.5},{:.5}", RATIO * transmitted + 0.01 * random.normal());
+        }
+        text
+    };
+    let columns = "position = { name = \"q\", unit = \"rad\", side = \"output\" }\n\
+                   current = { name = \"i\", unit = \"A\", convention = \"q_axis\" }\n\
+                   torque = { name = \"tau\", unit = \"N*m\", side = \"output\" }";
+    for (factor, seed) in [(0.93, 3), (1.1, 4)] {
+        let machine = Machine {
+            torque_constant: factor * TORQUE_CONSTANT,
+            coulomb: 0.02,
+            viscous: 1e-4,
+            load_friction: 0.12,
+            ..SMOOTH
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let logs = [log(machine, seed), log(machine, seed + 10)];
+        let reports = identified(folder.path(), "dynamometer", "", columns, &logs);
+        let constant = reports[0].parameters.iter().find(|p| p.name == "torque_constant").unwrap().fitted;
+        assert!((constant / machine.torque_constant - 1.0).abs() < 0.02, "{factor}: {constant}");
+        let found = value(&reports, "load_dependent_friction", 0).unwrap_or_else(|| panic!("{:?}", reports[0].refused));
+        assert!((found / machine.load_friction - 1.0).abs() < 0.03, "{factor}: {found}");
+    }
+}
+
 /// Beside a known pendulum another weight and the inertia together have the course of the pendulum, whose scale is the torque constant:
 /// the inertia stays as declared, and the constant is that of the machine.
 #[test]

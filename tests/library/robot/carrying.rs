@@ -276,6 +276,25 @@ fn arm() -> Robot {
     read(&path).unwrap_or_else(|problems| panic!("{problems:?}"))
 }
 
+/// Joints whose motors' iron saturates have bounds over what they carry, too: more motors give no worse arm, and a proved one.
+#[test]
+fn an_arm_is_proved_among_motors_whose_iron_saturates() {
+    let robot = arm();
+    let all = Catalog::builtin().unwrap();
+    let (saturates, others): (Vec<Motor>, Vec<Motor>) =
+        all.motors.iter().cloned().partition(|motor| motor.saturation_current().is_some());
+    assert!(saturates.len() > 10);
+    let few: Vec<Motor> = others.into_iter().step_by(4).collect();
+    let best = |motors: Vec<Motor>| {
+        let catalog = Catalog::of(motors, Vec::new());
+        let choice = decide(&robot, &catalog, 0);
+        assert!(choice.proof.certified(), "{:?}", choice.proof);
+        choice.combinations[0].objective
+    };
+    let with = best(few.iter().cloned().chain(saturates).collect());
+    assert!(with <= best(few) * (1.0 + 1e-9));
+}
+
 /// Changing one joint at a time, from several starts, each joint and all that carry it solved again: nothing better than what is proved.
 #[test]
 fn coordinate_descent_finds_nothing_better_on_the_arm() {

@@ -224,9 +224,10 @@ impl<'a> Made<'a> {
         }
         let lower = match found.optimum.certificate {
             Certificate::Certified { lower_bound, .. } => lower_bound.min(found.optimum.objective),
-            // What is known of the best is a bound, even where the search for it ended.
+            // What is known of the best is a bound, even where the search for it ended; of ratios away from it nothing is known then.
             Certificate::NotCertified(NotProved::Ended { lower_bound: Some(bound), .. }) => {
                 self.is_ended = true;
+                self.unproved |= needs.moves;
                 bound.min(found.optimum.objective)
             }
             Certificate::NotCertified(ref why) => {

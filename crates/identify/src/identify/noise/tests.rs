@@ -131,6 +131,22 @@ fn a_line_above_the_band_is_told_and_spoils_the_spectrum() {
     assert!((noise.line.unwrap() - 90.0).abs() < 3.0, "{:?}", noise.line);
 }
 
+/// A resonance that noise excites rises above the usual density, and over its neighbours not as a line does.
+#[test]
+fn the_top_of_a_broad_hump_is_no_line() {
+    let (radius, angle) = (0.95_f64, std::f64::consts::TAU * 0.15);
+    let (mut one, mut two) = (0.0, 0.0);
+    let left = white(7000, 20_000).into_iter().map(|v| {
+        (one, two) = (2.0 * radius * angle.cos() * one - radius * radius * two + v, one);
+        one
+    });
+    let mut of = stretch(left.collect());
+    of.stands.fill(false);
+    let noise = of_stretches(&[of], BAND);
+    assert_eq!(noise.line, None);
+    assert_eq!(values(&noise), [None; 3]);
+}
+
 /// An instrument that is quiet while the machine stands and loud while it runs.
 #[test]
 fn ways_that_contradict_each_other_say_nothing() {
