@@ -301,7 +301,7 @@ impl Table {
         let (range, expected) = match column.content {
             Content::Quantity(_, range) | Content::Stated(_, range, _) => (range, range.expected()),
             Content::Tolerance(_) => (Range::NonNegative, Range::NonNegative.expected()),
-            Content::Count => (Range::AtLeastOne, "a whole number, at least 1"),
+            Content::Count => (Range::AtLeastOne, "a whole number from 1 to 1e6"),
             Content::Text | Content::Pairs(_) => return None,
         };
         let value = match (units::number_value(text), column.content, &head.unit) {

@@ -36,7 +36,7 @@ fn number(range: Range) -> impl Strategy<Value = f64> {
         let size = digits * 10.0_f64.powi(power);
         match range {
             Range::Fraction => 1.0 / (1.0 + size.min(1e5)),
-            Range::AtLeastOne => 1.0 + size,
+            Range::AtLeastOne => 1.0 + size.min(1e5),
             Range::Any if negative => -size,
             Range::NonNegative if power == 0 => 0.0,
             _ => size,
@@ -111,7 +111,7 @@ prop_compose! {
         manufacturer in text(), model in text(), source in text(), note in text(), accepted_findings in listed(),
         source_kind in any_of(SourceKind::NAMES), construction in of(any_of(Construction::NAMES)),
         peak_torque_of in of(any_of(PeakTorqueOf::NAMES)),
-        only_inside in text(), same_as in text(), conventions in conventions(), pole_pairs in of(1..u32::MAX),
+        only_inside in text(), same_as in text(), conventions in conventions(), pole_pairs in of(1..1_000_000_u32),
         printed in numbers(FIELDS), resistance in number(Range::Positive), torque_constant in number(Range::Positive),
         price in currency(), source_date in days(),
     ) -> MotorRow {
@@ -154,7 +154,7 @@ impl MotorRow {
 prop_compose! {
     fn gear()(
         manufacturer in text(), model in text(), source in text(), note in text(), fits in listed(),
-        source_kind in any_of(SourceKind::NAMES), kind in any_of(GearKind::NAMES), stages in of(1..u32::MAX),
+        source_kind in any_of(SourceKind::NAMES), kind in any_of(GearKind::NAMES), stages in of(1..1_000_000_u32),
         printed in numbers(GEAR_FIELDS), ratio in number(Range::Positive),
         life_quantile in of(0..2_usize), continuous_torque_is in of(0..2_usize), price in currency(), source_date in days(),
     ) -> Gear {
