@@ -592,12 +592,12 @@ impl<'a> Prepared<'a> {
         feasible.then(|| self.objective_at(objective, ratio)).flatten()
     }
 
-    /// Whether it is a module of whose power nobody knows.
+    /// True if it is a module whose power is not known.
     fn lacks_power(&self) -> bool {
         !self.candidate.motor.inside.as_deref().is_none_or(Inside::says_whole_power)
     }
 
-    /// The same, whatever of a module is not known.
+    /// Evaluation at a ratio, with the unknown numbers of a module computed as if they were known.
     fn as_if_known(&self, ratio: f64) -> Evaluation {
         if self.candidate.is_evaluated() {
             let there = self.at_ratio(ratio, |here| here.at(ratio));

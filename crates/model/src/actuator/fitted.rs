@@ -113,7 +113,7 @@ impl Shortfall {
         self.saturation.is_some()
     }
 
-    /// The same without saturation, which takes no more current at any torque.
+    /// Shortfall without saturation. Its current is a lower bound at any torque.
     #[must_use]
     pub fn unsaturated(self) -> Shortfall {
         Shortfall { saturation: None, ..self }

@@ -371,7 +371,7 @@ impl Actuator {
         actuator
     }
 
-    /// The same as if its iron did not saturate: it draws no more current or power at any torque.
+    /// Actuator whose iron does not saturate. Its current and the power it draws are lower bounds at any torque.
     #[must_use]
     pub fn unsaturated(&self) -> Actuator {
         Actuator { shortfall: self.shortfall.unsaturated(), ..*self }

@@ -96,7 +96,7 @@ pub const LACKS: &[Lack] = &[
         is_lacking: |m| m.max_speed.is_none() && m.sheet.no_load_speed.is_none(),
         estimate: None,
         limits: &["max_speed"],
-        prevents: "a speed cannot be judged at a bus of more than the row's voltage",
+        prevents: "speed cannot be judged on a bus above the row's rated voltage",
     },
     Lack {
         name: "outer diameter",

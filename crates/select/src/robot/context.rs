@@ -41,9 +41,9 @@ const TABLES: usize = 4;
 
 /// Steps of [`Work`] that a design of a joint takes under a load, and a bound of it at prices.
 const DESIGN: usize = 3000;
+const PRICED: usize = 300;
 /// Steps of programs that take as long as one of [`Work`].
 const OF_PROGRAMS: usize = 200;
-const PRICED: usize = 300;
 
 /// Told at each branch of a search.
 type Searched<'a> = &'a (dyn Fn(usize, usize) + Sync);
